@@ -1,0 +1,1 @@
+"""What every other part leans on: errors, units, events, whole-file writing."""

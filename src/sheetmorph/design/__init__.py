@@ -1,0 +1,1 @@
+"""The design file and what follows from it: regions, stiffnesses, thermal strains."""

@@ -1,0 +1,1 @@
+"""Energy terms with analytic derivatives, and their assembly."""

@@ -1,0 +1,1 @@
+"""Meshes: making, reading, checking and measuring them."""

@@ -1,0 +1,1 @@
+"""Pictures, plots, films and reports of results."""
