@@ -1,0 +1,70 @@
+"""Dead loads on the nodes."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numba import njit
+
+from sheetmorph.geometry.mesh import Floats, Ints, SheetMesh
+
+
+@dataclass(frozen=True, eq=False)
+class NodalLoad:
+    """−f·(x − X) for every node: forces that keep their size and direction.
+
+    Attributes:
+        stencil: the loaded nodes, shape (n, 1).
+        force: f at the full load [N], shape (n, 3).
+        rest: reference positions X of these nodes [m], shape (n, 3).
+        factor: fraction of the load that acts.
+    """
+
+    stencil: Ints
+    force: Floats
+    rest: Floats
+    factor: float = 0.0
+
+    name = "load"
+    reference = (
+        "Zhang, Alon, Jawed, section Model Parameters: small uniform load that fades to zero"
+    )
+    linear = True
+
+    def at(self, ramp: float, load: float) -> NodalLoad:
+        """The same forces at a fraction of the load."""
+        return replace(self, factor=load)
+
+    @classmethod
+    def specimen(cls, mesh: SheetMesh, rng: np.random.Generator) -> NodalLoad:
+        """Every node, with a random force."""
+        nodes = np.arange(len(mesh.nodes), dtype=np.int32)[:, None]
+        return cls(nodes, rng.standard_normal(mesh.nodes.shape), mesh.nodes)
+
+    def local(
+        self,
+        x: Floats,
+        start: int,
+        stop: int,
+        order: int,
+        energy: Floats,
+        gradient: Floats,
+        hessian: Floats,
+    ) -> None:
+        """Local energies and gradients; the Hessian is zero and is left untouched."""
+        _nodal_load(
+            x, self.stencil, self.force, self.rest, self.factor, start, stop, energy, gradient
+        )
+
+
+@njit(cache=True, error_model="numpy", nogil=True)
+def _nodal_load(x, stencil, force, rest, factor, start, stop, energy, gradient):  # type: ignore[no-untyped-def]
+    for i in range(start, stop):
+        k = i - start
+        work = 0.0
+        for c in range(3):
+            f = factor * force[i, c]
+            work += f * (x[stencil[i, 0], c] - rest[i, c])
+            gradient[k, 0, c] = -f
+        energy[k] = -work

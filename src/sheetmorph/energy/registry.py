@@ -1,0 +1,15 @@
+"""The energy terms that exist. The tests walk this table: a new term adds one line."""
+
+from __future__ import annotations
+
+from sheetmorph.energy.hinge import CoupledHinge
+from sheetmorph.energy.loads import NodalLoad
+from sheetmorph.energy.stretch import EdgeStretch
+from sheetmorph.energy.term import Term
+
+TERMS: dict[str, type[Term]] = {
+    EdgeStretch.name: EdgeStretch,
+    CoupledHinge.name: CoupledHinge,
+    NodalLoad.name: NodalLoad,
+}
+"""Name of the term → its class."""

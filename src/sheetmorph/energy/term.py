@@ -1,0 +1,66 @@
+"""What an energy term is: local energies, gradients and Hessians over a stencil of nodes."""
+
+from __future__ import annotations
+
+from typing import Protocol, Self
+
+import numpy as np
+
+from sheetmorph.geometry.mesh import Floats, Ints, SheetMesh
+
+
+class Term(Protocol):
+    """An energy that is a sum over elements of a few nodes each.
+
+    Attributes:
+        name: key of the term in energy tables, such as "stretch".
+        reference: source of the energy and of its derivatives.
+        stencil: nodes of each element, shape (n, m).
+        linear: True when the energy is linear in the positions, so that it has no Hessian.
+    """
+
+    @property
+    def name(self) -> str: ...  # noqa: D102
+
+    @property
+    def reference(self) -> str: ...  # noqa: D102
+
+    @property
+    def stencil(self) -> Ints: ...  # noqa: D102
+
+    @property
+    def linear(self) -> bool: ...  # noqa: D102
+
+    def at(self, ramp: float, load: float) -> Self:
+        """The same term at a fraction of the actuation and of the perturbation load."""
+        ...
+
+    @classmethod
+    def specimen(cls, mesh: SheetMesh, rng: np.random.Generator) -> Self:
+        """A term with arbitrary parameters on this mesh, for tests and benchmarks."""
+        ...
+
+    def local(
+        self,
+        x: Floats,
+        start: int,
+        stop: int,
+        order: int,
+        energy: Floats,
+        gradient: Floats,
+        hessian: Floats,
+    ) -> None:
+        """Write the local quantities of the elements start … stop − 1 into rows 0, 1, ….
+
+        Args:
+            x: positions [m], shape (V, 3).
+            start: first element.
+            stop: one past the last element.
+            order: 0 writes energies only, 1 gradients too, 2 Hessians too.
+            energy: out, local energies [J], shape (≥ stop − start,).
+            gradient: out, with respect to the nodes of the stencil [N], shape (≥ …, m, 3).
+            hessian: out, blocks of the node pairs (p, q), p ≤ q, in the order (0, 0), (0, 1),
+                … (0, m − 1), (1, 1), … [N/m], shape (≥ …, m (m + 1) / 2, 3, 3). Row index:
+                coordinate of node p; column index: coordinate of node q.
+        """
+        ...

@@ -1,0 +1,185 @@
+"""Newton's method with line search, shifts to positive definiteness, and re-used factors."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from enum import StrEnum
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sheetmorph.solve.system import System
+
+Floats = NDArray[np.float64]
+
+
+class Outcome(StrEnum):
+    """How a minimisation ended."""
+
+    CONVERGED = "converged"
+    TOO_MANY_ITERATIONS = "too_many_iterations"
+    LINE_SEARCH_FAILED = "line_search_failed"
+    SINGULAR = "singular"
+    NOT_FINITE = "not_finite"
+
+
+@dataclass(frozen=True)
+class NewtonOptions:
+    """When to stop and when to factorise.
+
+    Attributes:
+        residual_tolerance: largest residual force that counts as equilibrium [N].
+        max_iterations: Newton steps, re-used factors not counted.
+        chord_ratio: a factor is used again while the residual falls below this ratio per step.
+        max_chords: at most so many steps with a re-used factor in a row.
+        max_halvings: of a step in the line search.
+        max_shifts: attempts to make the Hessian positive definite by a shift.
+    """
+
+    residual_tolerance: float
+    max_iterations: int = 60
+    chord_ratio: float = 0.2
+    max_chords: int = 8
+    max_halvings: int = 30
+    max_shifts: int = 30
+
+
+@dataclass(frozen=True, eq=False)
+class Minimum:
+    """Where a minimisation ended.
+
+    Attributes:
+        outcome: how it ended.
+        x: the degrees of freedom, shape (n,).
+        energy: there [J].
+        residual: largest force on a free degree of freedom [N].
+        iterations: Newton steps taken.
+        stable: True when the last Hessian on the way was positive definite.
+        travelled: largest displacement from the starting point [m].
+    """
+
+    outcome: Outcome
+    x: Floats
+    energy: float
+    residual: float
+    iterations: int
+    stable: bool
+    travelled: float
+
+
+@dataclass(frozen=True, eq=False)
+class Point:
+    """A place, with energy and gradient."""
+
+    x: Floats
+    energy: float
+    gradient: Floats
+
+    @property
+    def residual(self) -> float:
+        """Largest component of the gradient [N]."""
+        return float(np.abs(self.gradient).max(initial=0.0))
+
+
+def minimise(system: System, start: Floats, options: NewtonOptions) -> Minimum:
+    """Find a local minimum of the energy from a starting point.
+
+    Newton steps with the exact Hessian; where it has negative pivots it is shifted by a
+    multiple of the identity until it has none, so that every step descends. Steps are halved
+    until the energy decreases enough (Armijo). While the residual falls fast, the last factor
+    is used again (chord steps), because a back-substitution costs a tenth of a factorisation.
+    Reference: Nocedal and Wright, Numerical Optimization, chapters 3 and 11.
+
+    Returns:
+        The place reached, with how it ended; nothing is raised for a failed search.
+    """
+    energy, gradient, data = system.hessian(start)
+    point = Point(start, energy, gradient)
+    shift, iterations = 0.0, 0
+
+    def end(outcome: Outcome) -> Minimum:
+        travelled = float(np.abs(point.x - start).max(initial=0.0))
+        return Minimum(
+            outcome, point.x, point.energy, point.residual, iterations, shift == 0.0, travelled
+        )
+
+    while True:
+        if not np.isfinite(point.energy) or not np.isfinite(point.residual):
+            return end(Outcome.NOT_FINITE)
+        if point.residual <= options.residual_tolerance and iterations > 0:
+            return end(Outcome.CONVERGED)
+        if iterations >= options.max_iterations:
+            return end(Outcome.TOO_MANY_ITERATIONS)
+        if iterations > 0:
+            _, _, data = system.hessian(point.x)
+        found_shift = _factorise_positive(system, data, shift, options)
+        if found_shift is None:
+            return end(Outcome.SINGULAR)
+        shift = found_shift
+        iterations += 1
+        system.work.iterations += 1
+        step = -system.solve(point.gradient)
+        found = _line_search(system, point, step, options)
+        if found is None:
+            if point.residual <= options.residual_tolerance:
+                return end(Outcome.CONVERGED)
+            return end(Outcome.LINE_SEARCH_FAILED)
+        before, point = point, found
+        if shift == 0.0:
+            point = _chords(system, before, point, options)
+        else:
+            shift *= 0.1
+
+
+def _factorise_positive(
+    system: System, data: Floats, shift: float, options: NewtonOptions
+) -> float | None:
+    """Factorise with the first shift of a growing series that makes the matrix positive.
+
+    Returns:
+        The shift; None when no shift helped.
+    """
+    scale = float(np.abs(data[system.held.diagonal]).mean())
+    if shift < 1e-7 * scale:
+        shift = 0.0
+    for _ in range(options.max_shifts):
+        if system.factorise(data, shift):
+            return shift
+        shift = max(4.0 * shift, 1e-5 * scale)
+    return None
+
+
+def _line_search(
+    system: System, point: Point, step: Floats, options: NewtonOptions
+) -> Point | None:
+    """The first of the halved steps that decreases the energy enough, with its gradient."""
+    slope = float(point.gradient @ step)
+    noise = 1e-13 * abs(point.energy)
+    length = 1.0
+    for _ in range(options.max_halvings):
+        x = point.x + length * step
+        energy, gradient = system.gradient(x)
+        trial = Point(x, energy, gradient)
+        if energy <= point.energy + 1e-4 * length * slope:
+            return trial
+        # Near the minimum the decrease drowns in rounding: judge by the residual instead.
+        if abs(energy - point.energy) <= noise and trial.residual < point.residual:
+            return trial
+        length *= 0.5
+    return None
+
+
+def _chords(system: System, before: Point, point: Point, options: NewtonOptions) -> Point:
+    """Go on with the last factor while that pays."""
+    for _ in range(options.max_chords):
+        if point.residual <= options.residual_tolerance:
+            break
+        if not point.residual < options.chord_ratio * before.residual:
+            break
+        x = point.x - system.solve(point.gradient)
+        energy, gradient = system.gradient(x)
+        trial = Point(x, energy, gradient)
+        if not trial.residual < point.residual:
+            break
+        before, point = point, trial
+    return point

@@ -1,0 +1,326 @@
+"""Following equilibria along the actuation with a predictor and adaptive steps."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from enum import StrEnum
+from time import perf_counter
+from types import MappingProxyType
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sheetmorph.core.events import Listener, StateReached, StepRejected, silent
+from sheetmorph.solve.minimise import Minimum, NewtonOptions, Outcome, minimise
+from sheetmorph.solve.stability import escape_saddle, negative_pivots
+from sheetmorph.solve.system import System
+
+Floats = NDArray[np.float64]
+
+
+class Status(StrEnum):
+    """How a path ended."""
+
+    COMPLETED = "completed"
+    UNSTABLE = "unstable"
+    STEP_TOO_SMALL = "step_too_small"
+    TOO_MANY_STEPS = "too_many_steps"
+    TIME_LIMIT = "time_limit"
+    NOT_FINITE = "not_finite"
+    INTERRUPTED = "interrupted"
+
+    @property
+    def remedy(self) -> str:
+        """What to try next, for people; empty when all is well."""
+        return _REMEDIES[self]
+
+
+_REMEDIES = {
+    Status.COMPLETED: "",
+    Status.UNSTABLE: (
+        "the final state is an equilibrium but not a minimum; try another perturbation load or "
+        "smaller steps (solver.max_step)"
+    ),
+    Status.STEP_TOO_SMALL: (
+        "the last state that converged is kept; try a smaller actuation.eps_pre, a smaller "
+        "solver.min_step, a finer mesh.size or a larger perturbation load"
+    ),
+    Status.TOO_MANY_STEPS: (
+        "the last state that converged is kept; raise solver.max_steps or solver.max_step"
+    ),
+    Status.TIME_LIMIT: (
+        "the last state that converged is kept; continue with --resume, or raise solver.time_limit"
+    ),
+    Status.NOT_FINITE: (
+        "the energy is not a finite number; check moduli and thicknesses for extreme values"
+    ),
+    Status.INTERRUPTED: "the last state that converged is kept; continue with --resume",
+}
+
+
+@dataclass(frozen=True)
+class Waypoint:
+    """A point of the loading path: fractions of the actuation and of the perturbation load."""
+
+    ramp: float
+    load: float
+
+
+@dataclass(frozen=True)
+class PathOptions:
+    """How the path is divided and when to give up.
+
+    Attributes:
+        newton: options of the minimisation at each point.
+        initial_step: first step, as a fraction of a leg of the path.
+        max_step: largest step.
+        min_step: smallest step before the path is given up.
+        max_steps: most states.
+        time_limit: wall seconds.
+    """
+
+    newton: NewtonOptions
+    initial_step: float = 0.1
+    max_step: float = 0.2
+    min_step: float = 1e-5
+    max_steps: int = 1000
+    time_limit: float = float("inf")
+
+
+@dataclass(frozen=True, eq=False)
+class PathState:
+    """An equilibrium, and all that the next step needs to know.
+
+    Attributes:
+        x: degrees of freedom [m], shape (n,).
+        tangent: dx/ds along the leg, shape (n,); zero at the start of a leg.
+        leg: index of the leg of the path (from waypoint `leg` to waypoint `leg + 1`).
+        s: fraction of the leg that is done.
+        step: size of the next step.
+        ramp: fraction of the actuation.
+        load: fraction of the perturbation load.
+        residual: largest residual force [N].
+        negative_pivots: of the Hessian at the last state of the path; before, 0 when the last
+            Hessian on the way was positive definite and 1 when it was not.
+    """
+
+    x: Floats
+    tangent: Floats
+    leg: int
+    s: float
+    step: float
+    ramp: float
+    load: float
+    residual: float
+    negative_pivots: int
+
+
+@dataclass(frozen=True, eq=False)
+class Path:
+    """States that were reached, in order, and how the path ended."""
+
+    states: tuple[PathState, ...]
+    status: Status
+    detail: str
+
+
+def start_of_path(x: Floats, waypoints: Sequence[Waypoint], options: PathOptions) -> PathState:
+    """The flat, unloaded state from which a path starts."""
+    return PathState(
+        x=x,
+        tangent=np.zeros_like(x),
+        leg=0,
+        s=0.0,
+        step=options.initial_step,
+        ramp=waypoints[0].ramp,
+        load=0.0,
+        residual=0.0,
+        negative_pivots=0,
+    )
+
+
+def follow(
+    system: System,
+    waypoints: Sequence[Waypoint],
+    states: Sequence[PathState],
+    options: PathOptions,
+    *,
+    equal_steps: Mapping[int, int] = MappingProxyType({}),
+    on_event: Listener = silent,
+    on_state: Callable[[int, PathState], None] | None = None,
+) -> Path:
+    """Go from the last of the given states to the last waypoint.
+
+    Each step depends only on the last two states, so a path that was cut off goes on exactly
+    as it would have.
+
+    Args:
+        system: the problem.
+        waypoints: corners of the loading path; between them both fractions are linear.
+        states: what is already known, at least the state of `start_of_path`.
+        options: step sizes and limits.
+        equal_steps: legs to walk in so many equal steps, instead of adaptive ones; halved
+            where they do not converge.
+        on_event: told of every state and every rejected step.
+        on_state: called with index and state as soon as a state is reached, to keep it.
+
+    Returns:
+        The path. A failure is a status; all states before it are kept.
+    """
+    known = list(states)
+    began = perf_counter()
+    try:
+        while known[-1].leg < len(waypoints) - 1:
+            if len(known) > options.max_steps:
+                return _end(known, Status.TOO_MANY_STEPS, f"{options.max_steps} states were made")
+            if perf_counter() - began > options.time_limit:
+                return _end(known, Status.TIME_LIMIT, f"{options.time_limit:g} s have passed")
+            taken = _step(system, waypoints, known, options, equal_steps, on_event)
+            if isinstance(taken, str):
+                status = Status.NOT_FINITE if taken == Outcome.NOT_FINITE else Status.STEP_TOO_SMALL
+                return _end(known, status, f"Newton's method ended with {taken.replace('_', ' ')}")
+            known.append(taken)
+            if on_state is not None:
+                on_state(len(known) - 1, taken)
+    except KeyboardInterrupt:
+        return _end(known, Status.INTERRUPTED, "stopped by the user")
+    final = known[-1]
+    status = Status.COMPLETED if final.negative_pivots == 0 else Status.UNSTABLE
+    detail = "" if final.negative_pivots == 0 else f"{final.negative_pivots} negative pivots"
+    return _end(known, status, detail)
+
+
+def _end(states: list[PathState], status: Status, detail: str) -> Path:
+    return Path(tuple(states), status, detail)
+
+
+def _step(
+    system: System,
+    waypoints: Sequence[Waypoint],
+    known: list[PathState],
+    options: PathOptions,
+    equal_steps: Mapping[int, int],
+    on_event: Listener,
+) -> PathState | str:
+    """One accepted step, or the outcome of the last attempt when steps become too small."""
+    last = known[-1]
+    first, second = waypoints[last.leg], waypoints[last.leg + 1]
+    size = last.step if last.leg not in equal_steps else 1.0 / equal_steps[last.leg]
+    while True:
+        s = last.s + size
+        if s > 1.0 - 1e-9 or 1.0 - s < 0.2 * size:
+            s = 1.0
+        ramp = first.ramp + s * (second.ramp - first.ramp)
+        load = first.load + s * (second.load - first.load)
+        here = system.at(ramp, load)
+        before = system.work.iterations, system.work.factorisations
+        guess = _predict(known, s)
+        found = minimise(here, _better_start(here, guess, last.x), options.newton)
+        if found.outcome is Outcome.CONVERGED:
+            break
+        on_event(StepRejected(ramp, load, found.outcome.replace("_", " ")))
+        size = 0.5 * (s - last.s)
+        if size < options.min_step:
+            return str(found.outcome)
+    at_end = s == 1.0
+    finish = at_end and last.leg == len(waypoints) - 2
+    pivots = 0 if found.stable else 1
+    if finish:
+        found, pivots = _settle(here, found, options)
+    cost = system.work.factorisations - before[1]
+    state = PathState(
+        x=found.x,
+        tangent=np.zeros_like(found.x)
+        if at_end
+        else _tangent(here, first, second, ramp, load, found.x),
+        leg=last.leg + 1 if at_end else last.leg,
+        s=0.0 if at_end else s,
+        step=options.initial_step if at_end else _next_step(s - last.s, cost, options),
+        ramp=ramp,
+        load=load,
+        residual=found.residual,
+        negative_pivots=pivots,
+    )
+    on_event(
+        StateReached(
+            len(known), ramp, load, state.residual, system.work.iterations - before[0], cost
+        )
+    )
+    return state
+
+
+def _next_step(size: float, cost: int, options: PathOptions) -> float:
+    """A longer step after a cheap one, a shorter one after a dear one.
+
+    The counts and factors are those that need the fewest factorisations over the three
+    published designs (benchmarks/step_control.py).
+    """
+    if cost <= 2:
+        size *= 1.5
+    elif cost >= 6:
+        size *= 0.7
+    return min(max(size, options.min_step), options.max_step)
+
+
+def _predict(known: list[PathState], s: float) -> Floats:
+    """Extrapolate: the cubic through the last two states of the leg and their tangents.
+
+    With one state on the leg, along its tangent.
+    """
+    last = known[-1]
+    ds = s - last.s
+    if len(known) < 2 or known[-2].leg != last.leg or known[-2].s == 0.0:
+        return last.x + ds * last.tangent
+    past = known[-2]
+    h = last.s - past.s
+    chord = (last.x - past.x) / h
+    second = (4.0 * last.tangent + 2.0 * past.tangent - 6.0 * chord) / h
+    third = 6.0 * (last.tangent + past.tangent - 2.0 * chord) / (h * h)
+    return last.x + ds * (last.tangent + ds * (second / 2.0 + ds * third / 6.0))
+
+
+def _better_start(system: System, guess: Floats, fallback: Floats) -> Floats:
+    """The prediction, unless staying where we are has the lower energy."""
+    if guess is fallback or np.array_equal(guess, fallback):
+        return fallback
+    return guess if system.value(guess) < system.value(fallback) else fallback
+
+
+def _tangent(
+    here: System, first: Waypoint, second: Waypoint, ramp: float, load: float, x: Floats
+) -> Floats:
+    """dx/ds at an equilibrium: the response to the change of the forces along the leg.
+
+    At fixed positions the forces are linear in both fractions, so one more gradient gives
+    their derivative exactly. The factor at hand is that of the last Newton step, a little way
+    off; two corrections with the Hessian applied by differences of gradients make up for it,
+    for a tenth of the price of a factorisation. Cubic prediction needs tangents this good.
+    """
+    further = here.at(ramp + (second.ramp - first.ramp), load + (second.load - first.load))
+    _, now = here.gradient(x)
+    rate = further.gradient(x)[1] - now
+    tangent = -here.solve(rate)
+    for _ in range(2):
+        largest = float(np.abs(tangent).max())
+        if largest == 0.0:
+            break
+        reach = 1e-6 * float(np.ptp(x)) / largest
+        _, moved = here.gradient(x + reach * tangent)
+        tangent = tangent - here.solve(rate + (moved - now) / reach)
+    return tangent
+
+
+def _settle(here: System, found: Minimum, options: PathOptions) -> tuple[Minimum, int]:
+    """At the end of the path: count the negative pivots at the state itself, leave a saddle,
+    and use the factor that this takes for one last correction."""
+    for _ in range(5):
+        pivots, (x, residual) = negative_pivots(here, found.x)
+        found = replace(found, x=x, residual=residual)
+        if pivots == 0:
+            break
+        lower = minimise(here, escape_saddle(here, found.x), options.newton)
+        if lower.outcome is not Outcome.CONVERGED or not lower.energy < found.energy:
+            break
+        found = lower
+    return found, pivots

@@ -1,0 +1,139 @@
+"""An energy with held degrees of freedom and a linear solver, and an account of the work."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, replace
+from time import perf_counter
+from typing import Protocol, Self
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sheetmorph.core.sparse import SymmetricPattern
+from sheetmorph.solve.constraints import HeldDofs
+from sheetmorph.solve.linear import LinearSolver, SingularMatrixError
+
+Floats = NDArray[np.float64]
+
+
+class Energy(Protocol):
+    """A function of all degrees of freedom with derivatives, along a loading path."""
+
+    @property
+    def pattern(self) -> SymmetricPattern:
+        """Pattern of the Hessian."""
+        ...
+
+    def at(self, ramp: float, load: float) -> Self:
+        """The energy at a fraction of the actuation and of the load."""
+        ...
+
+    def evaluate(self, x: Floats, order: int) -> tuple[float, Floats | None, Floats | None]:
+        """Energy, gradient from order 1, Hessian entries from order 2."""
+        ...
+
+
+@dataclass
+class Work:
+    """What a computation has cost so far."""
+
+    factorisations: int = 0
+    solves: int = 0
+    evaluations: int = 0
+    iterations: int = 0
+    assembly_seconds: float = 0.0
+    line_search_seconds: float = 0.0
+    factorise_seconds: float = 0.0
+    solve_seconds: float = 0.0
+
+
+@dataclass(frozen=True, eq=False)
+class System:
+    """The free problem that Newton's method works on.
+
+    Attributes:
+        energy: the energy at the current point of the path.
+        held: the held degrees of freedom.
+        linear: the linear solver, bound to the pattern of the energy.
+        work: the account, shared by all copies.
+    """
+
+    energy: Energy
+    held: HeldDofs
+    linear: LinearSolver
+    work: Work = field(default_factory=Work)
+
+    def at(self, ramp: float, load: float) -> System:
+        """The same system at another point of the path."""
+        return replace(self, energy=self.energy.at(ramp, load))
+
+    def value(self, x: Floats) -> float:
+        """Energy alone."""
+        start = perf_counter()
+        energy, _, _ = self.energy.evaluate(x, 0)
+        self._account_evaluation(start)
+        return energy
+
+    def gradient(self, x: Floats) -> tuple[float, Floats]:
+        """Energy and gradient, zero at the held degrees of freedom."""
+        start = perf_counter()
+        energy, gradient, _ = self.energy.evaluate(x, 1)
+        assert gradient is not None  # noqa: S101
+        self.held.hold(gradient)
+        self._account_evaluation(start)
+        return energy, gradient
+
+    def hessian(self, x: Floats) -> tuple[float, Floats, Floats]:
+        """Energy, gradient and Hessian entries with the held rows reduced."""
+        start = perf_counter()
+        energy, gradient, data = self.energy.evaluate(x, 2)
+        assert gradient is not None and data is not None  # noqa: S101
+        self.held.hold(gradient)
+        self.held.reduce(data)
+        self._account_evaluation(start)
+        return energy, gradient, data
+
+    def factorise(self, data: Floats, shift: float = 0.0) -> bool:
+        """Factorise the Hessian plus a multiple of the identity; True when positive definite."""
+        if shift:
+            data = data.copy()
+            data[self.held.diagonal] += shift
+        start = perf_counter()
+        try:
+            return self.linear.factorise(data)
+        finally:
+            self.work.factorisations += 1
+            self.work.factorise_seconds += perf_counter() - start
+
+    def factorise_indefinite(self, data: Floats, shift: float = 0.0) -> int | None:
+        """Factorise a Hessian of any inertia, plus a multiple of the identity.
+
+        Returns:
+            Number of negative pivots; None when the matrix is singular to working accuracy.
+        """
+        if shift:
+            data = data.copy()
+            data[self.held.diagonal] += shift
+        start = perf_counter()
+        try:
+            return self.linear.factorise_indefinite(data)
+        except SingularMatrixError:
+            if not np.isfinite(data).all():
+                raise
+            return None
+        finally:
+            self.work.factorisations += 1
+            self.work.factorise_seconds += perf_counter() - start
+
+    def solve(self, rhs: Floats) -> Floats:
+        """Solve with the last factor."""
+        start = perf_counter()
+        try:
+            return self.linear.solve(rhs)
+        finally:
+            self.work.solves += 1
+            self.work.solve_seconds += perf_counter() - start
+
+    def _account_evaluation(self, start: float) -> None:
+        self.work.evaluations += 1
+        self.work.assembly_seconds += perf_counter() - start
