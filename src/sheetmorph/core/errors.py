@@ -10,8 +10,8 @@ from pathlib import Path
 class SheetmorphError(Exception):
     """Base of all errors that sheetmorph raises on purpose.
 
-    `exit_code` is the status with which the command line ends: 2 for bad input,
-    1 for a computation or a write that failed.
+    `exit_code` is the status with which the command line ends: 2 for bad input or a place
+    that cannot be written, 1 for a computation that failed.
     """
 
     exit_code = 1
@@ -63,7 +63,9 @@ class ComputationError(SheetmorphError):
 
 
 class OutputError(SheetmorphError):
-    """A file could not be written (disk full, folder read-only, already there)."""
+    """A file could not be written (disk full, folder read-only): choose another place."""
+
+    exit_code = 2
 
 
 def shorten(value: object, limit: int = 80) -> str:

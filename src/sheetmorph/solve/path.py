@@ -101,8 +101,8 @@ class PathState:
         ramp: fraction of the actuation.
         load: fraction of the perturbation load.
         residual: largest residual force [N].
-        negative_pivots: of the Hessian at the last state of the path; before, 0 when the last
-            Hessian on the way was positive definite and 1 when it was not.
+        negative_pivots: of the Hessian: 0 at a minimum. Counted at the state itself at the end
+            of the path and where there was doubt, else on the last Newton step to it.
     """
 
     x: Floats
@@ -224,9 +224,8 @@ def _step(
         if size < options.min_step:
             return str(found.outcome)
     at_end = s == 1.0
-    finish = at_end and last.leg == len(waypoints) - 2
-    pivots = 0 if found.stable else 1
-    if finish:
+    pivots = 0
+    if not found.stable or (at_end and last.leg == len(waypoints) - 2):
         found, pivots = _settle(here, found, options)
     cost = system.work.factorisations - before[1]
     state = PathState(
@@ -312,8 +311,8 @@ def _tangent(
 
 
 def _settle(here: System, found: Minimum, options: PathOptions) -> tuple[Minimum, int]:
-    """At the end of the path: count the negative pivots at the state itself, leave a saddle,
-    and use the factor that this takes for one last correction."""
+    """Count the negative pivots at the state itself, leave a saddle, and use the factor that
+    this takes for one last correction."""
     for _ in range(5):
         pivots, (x, residual) = negative_pivots(here, found.x)
         found = replace(found, x=x, residual=residual)

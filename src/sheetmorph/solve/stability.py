@@ -57,6 +57,6 @@ def escape_saddle(system: System, x: Floats, size: float = 1e-3) -> Floats:
         direction /= np.linalg.norm(direction)
     if direction @ gradient > 0:
         direction = -direction
-    reach = size * float(np.ptp(x)) / float(np.abs(direction).max())
+    reach = size * (float(np.ptp(x)) or 1.0) / float(np.abs(direction).max())
     options = [x + reach * direction, x - reach * direction]
     return min(options, key=system.value)

@@ -42,7 +42,6 @@ class Work:
     evaluations: int = 0
     iterations: int = 0
     assembly_seconds: float = 0.0
-    line_search_seconds: float = 0.0
     factorise_seconds: float = 0.0
     solve_seconds: float = 0.0
 

@@ -2,17 +2,21 @@
 
 from __future__ import annotations
 
+import json
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from sheetmorph.core.errors import InputError
+from sheetmorph.core.files import write_text
+from sheetmorph.design.spec import Design
+from sheetmorph.geometry import surface
 from sheetmorph.geometry.mesh import Floats, SheetMesh
-
-if TYPE_CHECKING:
-    from sheetmorph.design.spec import Design
+from sheetmorph.study.result_file import read_result, write_result
 
 Bools = NDArray[np.bool_]
 
@@ -27,11 +31,13 @@ class Result:
         positions: node positions of every state [m], shape (S, V, 3); state 0 is flat.
         ramp: fraction of the actuation at every state, shape (S,), 0 to 1.
         load: fraction of the perturbation load at every state, shape (S,).
+        residual: largest residual force at every state [N], shape (S,).
         thermal_strain_full: eigenstrain of the edges at full actuation, shape (E,).
         edge_in_pattern: edges whose midpoint lies in the pattern, shape (E,).
         triangle_in_pattern: triangles whose centroid lies in the pattern, shape (T,).
         stretch_stiffness: K of every edge [J], shape (E,).
         bending_stiffness: k_b of every hinge [J], shape (H,).
+        coupling: natural dihedral angle per strain mismatch of every hinge, shape (H,).
         held_nodes: indices of the nodes that supports hold, shape (N,).
         summary: the numbers of `summary.json`.
     """
@@ -41,13 +47,71 @@ class Result:
     positions: Floats
     ramp: Floats
     load: Floats
+    residual: Floats
     thermal_strain_full: Floats
     edge_in_pattern: Bools
     triangle_in_pattern: Bools
     stretch_stiffness: Floats
     bending_stiffness: Floats
+    coupling: Floats
     held_nodes: NDArray[np.intp]
     summary: dict[str, Any] = field(default_factory=dict)
+
+    @classmethod
+    def load(cls, path: str | Path) -> Result:
+        """Read a result.
+
+        Args:
+            path: the folder of a run, or its `result.h5`.
+
+        Raises:
+            InputError: there is none, or it is damaged; the message names the file.
+        """
+        place = Path(path)
+        file = place / "result.h5" if place.is_dir() else place
+        if place.is_dir() and not file.is_file():
+            unfinished = (place / "states" / "journal.json").is_file()
+            raise InputError(
+                "this run is not finished; continue it with sheetmorph run --resume"
+                if unfinished
+                else "this folder holds no result.h5",
+                file=place,
+            )
+        parts = read_result(file)
+        try:
+            design = Design.from_toml(parts.pop("design"), file.parent)
+        except InputError as error:
+            raise error.located(file) from None
+        return cls(design=design, mesh=SheetMesh(**parts.pop("mesh")), **parts)
+
+    def save(self, path: str | Path) -> Path:
+        """Write `result.h5` and `summary.json` into a folder, or one HDF5 file.
+
+        Args:
+            path: a folder, made if need be; or a file name that ends in .h5.
+
+        Returns:
+            The path of the HDF5 file.
+
+        Raises:
+            OutputError: it cannot be written.
+        """
+        place = Path(path)
+        if place.suffix == ".h5":
+            write_result(self, place)
+            return place
+        write_result(self, place / "result.h5")
+        self.save_summary(place)
+        return place / "result.h5"
+
+    def save_summary(self, folder: str | Path) -> None:
+        """Write `summary.json` into a folder.
+
+        Raises:
+            OutputError: it cannot be written.
+        """
+        text = json.dumps(self.summary, indent=2, ensure_ascii=False, allow_nan=False)
+        write_text(Path(folder) / "summary.json", text + "\n")
 
     @property
     def status(self) -> str:
@@ -62,12 +126,12 @@ class Result:
     @cached_property
     def strain(self) -> Floats:
         """Edge strain l/l0 − 1, shape (S, E)."""
-        raise NotImplementedError
+        return surface.edge_strain(self.mesh, self.positions)
 
     @cached_property
     def dihedral(self) -> Floats:
-        """Signed dihedral angle of the hinges [rad], shape (S, H)."""
-        raise NotImplementedError
+        """Signed dihedral angle of the hinges [rad], shape (S, H); 0 when flat."""
+        return surface.dihedral_angles(self.mesh.hinges, self.positions)
 
     @cached_property
     def thermal_strain(self) -> Floats:
@@ -81,25 +145,50 @@ class Result:
 
     @cached_property
     def stretch_energy_density(self) -> Floats:
-        """Stretching energy of the edges per area of the sheet [J/m²], shape (S, E)."""
-        raise NotImplementedError
+        """Stretching energy of the edges per area of the flat sheet [J/m²], shape (S, E).
+
+        The area of an edge is a third of that of the triangles beside it.
+        """
+        mismatch = self.strain - self.thermal_strain
+        return np.asarray(0.5 * self.stretch_stiffness * mismatch**2 / self._edge_areas)
 
     @cached_property
     def bend_energy_density(self) -> Floats:
-        """Bending energy of the hinges per area of the sheet [J/m²], shape (S, H)."""
-        raise NotImplementedError
+        """Bending energy of the hinges per area of the flat sheet [J/m²], shape (S, H).
+
+        The area of a hinge is a third of that of its two triangles.
+        """
+        mismatch = self.strain - self.thermal_strain
+        ac, ad, bc, bd = (mismatch[:, self.mesh.hinge_edges[:, k]] for k in range(1, 5))
+        angle = self.dihedral - self.coupling * (ac - ad + bc - bd)
+        areas = self._edge_areas[self.mesh.hinge_edges[:, 0]]
+        return np.asarray(0.5 * self.bending_stiffness * angle**2 / areas)
 
     @cached_property
     def mean_curvature(self) -> Floats:
-        """Mean curvature at the nodes [1/m], shape (S, V)."""
-        raise NotImplementedError
+        """Mean curvature at the nodes [1/m], shape (S, V); zero on the rim."""
+        return surface.mean_curvature(self.mesh, self.positions)
 
     @cached_property
     def gaussian_curvature(self) -> Floats:
         """Gaussian curvature at the nodes [1/m²], shape (S, V); zero on the rim."""
-        raise NotImplementedError
+        return surface.gaussian_curvature(self.mesh, self.positions)
 
     @cached_property
     def aspect_ratio(self) -> Floats:
-        """h/d of every state, shape (S,): height over in-plane width."""
-        raise NotImplementedError
+        """h/d of every state, shape (S,): height over the largest in-plane width."""
+        return np.array([surface.aspect_ratio(state) for state in self.positions])
+
+    @cached_property
+    def _edge_areas(self) -> Floats:
+        mesh = self.mesh
+        count = len(mesh.nodes)
+        pairs = np.sort(
+            np.concatenate([mesh.triangles[:, list(k)] for k in ((0, 1), (1, 2), (2, 0))]), axis=1
+        ).astype(np.int64)
+        ends = np.sort(mesh.edges, axis=1).astype(np.int64)
+        keys = ends[:, 0] * count + ends[:, 1]
+        order = np.argsort(keys)
+        place = order[np.searchsorted(keys[order], pairs[:, 0] * count + pairs[:, 1])]
+        thirds = np.tile(mesh.triangle_areas / 3.0, 3)
+        return np.asarray(np.bincount(place, weights=thirds, minlength=len(keys)))

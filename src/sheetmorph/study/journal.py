@@ -1,0 +1,125 @@
+"""States on disk as they are reached, so that a run that dies can go on."""
+
+from __future__ import annotations
+
+import json
+import shutil
+import zipfile
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from sheetmorph import __version__
+from sheetmorph.core.errors import InputError
+from sheetmorph.core.files import replacing, write_text
+from sheetmorph.solve.path import PathState
+
+FOLDER = "states"
+_SCALARS = ("leg", "s", "step", "ramp", "load", "residual", "negative_pivots")
+
+
+@dataclass(frozen=True)
+class Journal:
+    """The folder `states` of a run: one file per state, each whole or absent.
+
+    Attributes:
+        folder: where the states lie.
+    """
+
+    folder: Path
+
+    @classmethod
+    def of_run(cls, run_folder: Path) -> Journal:
+        """The journal of a results folder; it may not exist yet."""
+        return cls(run_folder / FOLDER)
+
+    @property
+    def exists(self) -> bool:
+        """True when a run was begun here and not finished."""
+        return (self.folder / "journal.json").is_file()
+
+    def begin(self, design_hash: str) -> None:
+        """Start an empty journal; an old one is removed."""
+        self.remove()
+        write_text(
+            self.folder / "journal.json",
+            json.dumps({"design_hash": design_hash, "version": __version__}),
+        )
+
+    def write(self, index: int, state: PathState) -> None:
+        """Keep one state.
+
+        Raises:
+            OutputError: it cannot be written.
+        """
+        scalars = {name: np.float64(getattr(state, name)) for name in _SCALARS}
+        with (
+            replacing(self.folder / f"state_{index:05d}.npz") as partial,
+            partial.open("wb") as stream,
+        ):
+            np.savez(stream, x=state.x, tangent=state.tangent, **scalars)
+
+    def read(self, design_hash: str, size: int) -> list[PathState]:
+        """The states of the unfinished run, in order; at least the first.
+
+        Args:
+            design_hash: of the design that is to go on.
+            size: number of degrees of freedom.
+
+        Raises:
+            InputError: there is no journal, or it is of another design or version.
+        """
+        try:
+            about = json.loads((self.folder / "journal.json").read_text("utf-8"))
+            known, version = str(about["design_hash"]), str(about["version"])
+        except (OSError, ValueError, KeyError, TypeError):
+            raise InputError(
+                "there is no unfinished run to resume here; run without --resume",
+                file=self.folder.parent,
+            ) from None
+        if known != design_hash or version != __version__:
+            what = "design" if known != design_hash else f"version of sheetmorph ({version})"
+            raise InputError(
+                f"the unfinished run here is of another {what}; run without --resume, or into "
+                "another folder with -o",
+                file=self.folder.parent,
+            )
+        states: list[PathState] = []
+        for index in range(100_000):
+            path = self.folder / f"state_{index:05d}.npz"
+            if not path.is_file():
+                break
+            states.append(_read_state(path, size))
+        if not states:
+            raise InputError(
+                "the unfinished run here has no states yet; run without --resume",
+                file=self.folder.parent,
+            )
+        return states
+
+    def remove(self) -> None:
+        """Delete the journal."""
+        shutil.rmtree(self.folder, ignore_errors=True)
+
+
+def _read_state(path: Path, size: int) -> PathState:
+    try:
+        with np.load(path, allow_pickle=False) as data:
+            x, tangent = data["x"], data["tangent"]
+            values = {name: float(data[name]) for name in _SCALARS}
+    except (OSError, ValueError, KeyError, zipfile.BadZipFile, EOFError) as error:
+        raise InputError(f"this state cannot be read ({error})", file=path) from None
+    if x.shape != (size,) or tangent.shape != (size,) or not np.isfinite(x).all():
+        raise InputError("this state does not fit the design's mesh", file=path)
+    return PathState(
+        x=np.asarray(x, dtype=np.float64),
+        tangent=np.asarray(tangent, dtype=np.float64),
+        leg=int(values["leg"]),
+        s=values["s"],
+        step=values["step"],
+        ramp=values["ramp"],
+        load=values["load"],
+        residual=values["residual"],
+        negative_pivots=int(values["negative_pivots"]),
+    )

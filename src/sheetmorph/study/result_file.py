@@ -1,0 +1,170 @@
+"""`result.h5`: one HDF5 file that holds a whole result, read back without trust."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sheetmorph.core.errors import InputError, OutputError
+from sheetmorph.core.files import replacing
+
+if TYPE_CHECKING:
+    from sheetmorph.study.result import Result
+
+FORMAT = "sheetmorph result"
+FORMAT_VERSION = 1
+MAX_VALUES = 500_000_000
+"""Most numbers of one array that a file may announce."""
+
+FIELDS: dict[str, tuple[str, str]] = {
+    "dihedral": ("rad", "signed dihedral angle θ, per state and hinge"),
+    "strain": ("1", "edge strain e = l/l0 − 1, per state and edge"),
+    "thermal_strain": ("1", "eigenstrain eth, per state and edge"),
+    "stretch_energy_density": ("J/m^2", "stretching energy per area, per state and edge"),
+    "bend_energy_density": ("J/m^2", "bending energy per area, per state and hinge"),
+    "height": ("m", "height z, per state and node"),
+    "mean_curvature": ("1/m", "mean curvature, per state and node"),
+    "gaussian_curvature": ("1/m^2", "Gaussian curvature, per state and node"),
+    "aspect_ratio": ("1", "h/d, per state"),
+}
+"""Derived fields: written for other programs, computed anew when read."""
+
+_STATES = ("positions", "ramp", "load", "residual")
+_MODEL = (
+    "thermal_strain_full",
+    "edge_in_pattern",
+    "triangle_in_pattern",
+    "stretch_stiffness",
+    "bending_stiffness",
+    "coupling",
+    "held_nodes",
+)
+_MESH = ("nodes", "triangles", "edges", "hinges", "hinge_edges")
+
+
+def write_result(result: Result, path: Path) -> None:
+    """Write a result, whole or not at all.
+
+    Raises:
+        OutputError: it cannot be written.
+    """
+    import h5py
+
+    with replacing(path) as partial:
+        try:
+            with h5py.File(partial, "w") as file:
+                file.attrs["format"] = FORMAT
+                file.attrs["format_version"] = FORMAT_VERSION
+                file.attrs["version"] = result.summary["version"]
+                file.attrs["design_hash"] = result.summary["design_hash"]
+                file.attrs["solver"] = result.summary["solver"]
+                file.create_dataset("design", data=result.design.to_toml())
+                file.create_dataset("summary", data=json.dumps(result.summary))
+                for name in _MESH:
+                    _write(file, f"mesh/{name}", getattr(result.mesh, name))
+                for name in _STATES:
+                    _write(file, f"states/{name}", getattr(result, name))
+                for name in _MODEL:
+                    _write(file, f"model/{name}", getattr(result, name))
+                for name, (unit, text) in FIELDS.items():
+                    dataset = _write(file, f"fields/{name}", getattr(result, name))
+                    dataset.attrs["unit"] = unit
+                    dataset.attrs["description"] = text
+        except RuntimeError as error:
+            raise OutputError(f"{path}: cannot be written ({error})") from error
+
+
+def _write(file: Any, name: str, data: NDArray[Any]) -> Any:
+    packed = {"compression": "lzf", "shuffle": True} if data.size > 100_000 else {}
+    return file.create_dataset(name, data=data, **packed)
+
+
+def read_result(path: Path) -> dict[str, Any]:
+    """Read the parts of a result file, checked for shape and size.
+
+    Returns:
+        "design" (TOML text), "summary", "mesh" (arrays by name) and the arrays of the states
+        and of the model by their names.
+
+    Raises:
+        InputError: the file is not there, is truncated, or is no result of sheetmorph.
+    """
+    import h5py
+
+    if not path.is_file():
+        raise InputError("there is no such result file", file=path)
+    try:
+        with h5py.File(path, "r") as file:
+            if file.attrs.get("format") != FORMAT:
+                raise InputError("this HDF5 file is no result of sheetmorph", file=path)
+            if int(file.attrs["format_version"]) > FORMAT_VERSION:
+                raise InputError(
+                    "this result was written by a newer sheetmorph; update to read it", file=path
+                )
+            parts: dict[str, Any] = {
+                "design": str(file["design"].asstr()[()]),
+                "summary": json.loads(file["summary"].asstr()[()]),
+                "mesh": {name: _read(file, f"mesh/{name}") for name in _MESH},
+            }
+            parts |= {name: _read(file, f"states/{name}") for name in _STATES}
+            parts |= {name: _read(file, f"model/{name}") for name in _MODEL}
+    except InputError:
+        raise
+    except (OSError, RuntimeError, KeyError, ValueError, TypeError, AttributeError) as error:
+        reason = " ".join(str(error).split())
+        raise InputError(f"this result cannot be read ({reason})", file=path) from None
+    _check_shapes(parts, path)
+    return parts
+
+
+def _read(file: Any, name: str) -> NDArray[Any]:
+    dataset = file[name]
+    if dataset.size > MAX_VALUES:
+        raise InputError(f"{name} announces {dataset.size} values", allowed=f"≤ {MAX_VALUES}")
+    if dataset.dtype.kind not in "fiub":
+        raise InputError(f"{name} does not hold numbers")
+    return np.asarray(dataset[()])
+
+
+def _check_shapes(parts: dict[str, Any], path: Path) -> None:
+    mesh = parts["mesh"]
+    v, e, t, h = (len(mesh[name]) for name in ("nodes", "edges", "triangles", "hinges"))
+    s = len(parts["ramp"])
+    expected: dict[str, tuple[int, ...]] = {
+        "positions": (s, v, 3),
+        "ramp": (s,),
+        "load": (s,),
+        "residual": (s,),
+        "thermal_strain_full": (e,),
+        "edge_in_pattern": (e,),
+        "triangle_in_pattern": (t,),
+        "stretch_stiffness": (e,),
+        "bending_stiffness": (h,),
+        "coupling": (h,),
+        "held_nodes": parts["held_nodes"].shape[:1],
+    }
+    shapes = {name: parts[name].shape for name in expected}
+    expected_mesh = {
+        "nodes": (v, 3),
+        "triangles": (t, 3),
+        "edges": (e, 2),
+        "hinges": (h, 4),
+        "hinge_edges": (h, 5),
+    }
+    shapes |= {name: mesh[name].shape for name in expected_mesh}
+    for name, shape in {**expected, **expected_mesh}.items():
+        if shapes[name] != shape:
+            raise InputError(
+                f"{name} has the shape {shapes[name]} instead of {shape}; the file is damaged",
+                file=path,
+            )
+    if s < 1:
+        raise InputError("the file holds no state", file=path)
+    for name, limit in (("triangles", v), ("edges", v), ("hinges", v), ("hinge_edges", e)):
+        indices = mesh[name]
+        if indices.size and (indices.min() < 0 or indices.max() >= limit):
+            raise InputError(f"{name} has indices out of range; the file is damaged", file=path)

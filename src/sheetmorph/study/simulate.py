@@ -1,0 +1,191 @@
+"""Design in, result out."""
+
+from __future__ import annotations
+
+from time import perf_counter
+from typing import Any
+
+import numpy as np
+
+from sheetmorph import __version__
+from sheetmorph.core.events import Event, Listener, Notice, Progress, Started, StateReached, silent
+from sheetmorph.design.spec import Design
+from sheetmorph.geometry.surface import aspect_ratio
+from sheetmorph.solve.constraints import HeldDofs, align_to_reference
+from sheetmorph.solve.linear import make_solver
+from sheetmorph.solve.minimise import NewtonOptions
+from sheetmorph.solve.path import (
+    Path,
+    PathOptions,
+    PathState,
+    Status,
+    Waypoint,
+    follow,
+    start_of_path,
+)
+from sheetmorph.solve.system import System, Work
+from sheetmorph.study.journal import Journal
+from sheetmorph.study.model import Problem, build_problem
+from sheetmorph.study.result import Result
+
+WAYPOINTS = (Waypoint(0.0, 1.0), Waypoint(1.0, 1.0), Waypoint(1.0, 0.0))
+"""Actuate under the perturbation load, then remove the load."""
+
+
+def simulate(
+    design: Design,
+    *,
+    on_event: Listener = silent,
+    journal: Journal | None = None,
+    resume: bool = False,
+) -> Result:
+    """Predict the shape into which a sheet morphs, from flat to full actuation.
+
+    Args:
+        design: what to simulate.
+        on_event: told of the progress, see `sheetmorph.core.events`.
+        journal: where to keep every state as it is reached; nowhere by default.
+        resume: go on from the last state in the journal.
+
+    Returns:
+        The result with every state that was reached. A computation that did not reach the
+        end is a `status` in its summary, with a remedy, not an exception.
+
+    Raises:
+        InputError: the design and its mesh do not fit together.
+        OutputError: a state could not be kept.
+    """
+    began = perf_counter()
+    on_event(Started(design.name))
+    problem = build_problem(design)
+    options = _path_options(problem)
+    x0 = problem.mesh.nodes.ravel().copy()
+    known = [start_of_path(x0, WAYPOINTS, options)]
+    if resume and journal is not None:
+        known = journal.read(design.hash, x0.size)
+    elif journal is not None:
+        journal.begin(design.hash)
+        journal.write(0, known[0])
+    problem.total.at(0.0, 1.0).evaluate(x0, 2)  # compiles, or loads the compiled kernels
+
+    aside = _Aside(on_event, journal)
+    start = perf_counter()
+    linear = make_solver(
+        problem.total.pattern, design.solver.linear_solver, max(1, design.solver.threads)
+    )
+    system = System(problem.total, HeldDofs.of(problem.total.pattern, problem.held_dofs), linear)
+    path = follow(
+        system,
+        WAYPOINTS,
+        known,
+        options,
+        equal_steps={1: design.perturbation.ramp_down_steps},
+        on_event=aside.tell,
+        on_state=aside.keep,
+    )
+    solved = perf_counter() - start - aside.seconds
+    result = _result(problem, path, system, linear.name)
+    result.summary["seconds"] = _seconds(system.work, solved, perf_counter() - began)
+    if path.status is not Status.COMPLETED:
+        on_event(Notice(f"{path.status}: {path.status.remedy}"))
+    return result
+
+
+class _Aside:
+    """Listeners and journal, and the time they take, which is not the solver's."""
+
+    def __init__(self, on_event: Listener, journal: Journal | None) -> None:
+        self._on_event, self._journal = on_event, journal
+        self.seconds = 0.0
+
+    def tell(self, event: Event) -> None:
+        start = perf_counter()
+        self._on_event(event)
+        if isinstance(event, StateReached):
+            ramp = 100 * event.ramp
+            text = f"{ramp:.0f} % actuated" if event.load == 1.0 else "removing the load"
+            self._on_event(Progress(0.95 * event.ramp + 0.05 * (1.0 - event.load), text))
+        self.seconds += perf_counter() - start
+
+    def keep(self, index: int, state: PathState) -> None:
+        start = perf_counter()
+        if self._journal is not None:
+            self._journal.write(index, state)
+        self.seconds += perf_counter() - start
+
+
+def _path_options(problem: Problem) -> PathOptions:
+    chosen = problem.design.solver
+    return PathOptions(
+        newton=NewtonOptions(
+            residual_tolerance=problem.residual_tolerance, max_iterations=chosen.max_iterations
+        ),
+        initial_step=chosen.initial_step,
+        max_step=chosen.max_step,
+        min_step=chosen.min_step,
+        max_steps=chosen.max_steps,
+        time_limit=float("inf") if chosen.time_limit is None else chosen.time_limit,
+    )
+
+
+def _result(problem: Problem, path: Path, system: System, solver: str) -> Result:
+    positions = np.array([state.x.reshape(-1, 3) for state in path.states])
+    if not len(problem.held_nodes):
+        positions = align_to_reference(positions, problem.mesh.nodes)
+    final = path.states[-1]
+    energies = problem.total.at(final.ramp, final.load).energies(final.x)
+    extent = np.ptp(positions[-1], axis=0)
+    nodes, edges, triangles = problem.mesh.counts
+    summary: dict[str, Any] = {
+        "name": problem.design.name,
+        "model": problem.design.model,
+        "status": str(path.status),
+        "detail": path.detail,
+        "remedy": path.status.remedy,
+        "stable": final.negative_pivots == 0,
+        "negative_pivots": final.negative_pivots,
+        "residual_max_N": final.residual,
+        "residual_tolerance_N": problem.residual_tolerance,
+        "eps_pre": problem.design.eps_pre,
+        "actuation_reached": final.ramp,
+        "states": len(path.states),
+        "newton_iterations": system.work.iterations,
+        "factorisations": system.work.factorisations,
+        "back_substitutions": system.work.solves,
+        "evaluations": system.work.evaluations,
+        "solver": solver,
+        "nodes": nodes,
+        "edges": edges,
+        "triangles": triangles,
+        "height_m": float(extent[2]),
+        "bbox_m": [float(value) for value in extent],
+        "aspect_ratio": float(aspect_ratio(positions[-1])),
+        "energy_J": {**energies, "total": sum(energies.values())},
+        "version": __version__,
+        "design_hash": problem.design.hash,
+    }
+    return Result(
+        design=problem.design,
+        mesh=problem.mesh,
+        positions=positions,
+        ramp=np.array([state.ramp for state in path.states]),
+        load=np.array([state.load for state in path.states]),
+        residual=np.array([state.residual for state in path.states]),
+        thermal_strain_full=problem.thermal_strain,
+        edge_in_pattern=problem.regions.edge_in_pattern,
+        triangle_in_pattern=problem.regions.triangle_in_pattern,
+        stretch_stiffness=problem.stiffness.stretch,
+        bending_stiffness=problem.stiffness.bending,
+        coupling=np.full(len(problem.mesh.hinges), problem.design.published.coupling),
+        held_nodes=problem.held_nodes,
+        summary=summary,
+    )
+
+
+def _seconds(work: Work, solved: float, wall: float) -> dict[str, float]:
+    parts = {
+        "assembly": work.assembly_seconds,
+        "factorise": work.factorise_seconds,
+        "solve": work.solve_seconds,
+    }
+    return {**parts, "other": solved - sum(parts.values()), "total": solved, "wall": wall}
