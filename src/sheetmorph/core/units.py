@@ -84,7 +84,7 @@ bar = 100000 * pascal = bar
 pound_force_per_square_inch = pound_force / inch ** 2 = psi
 """
 
-_NUMBER = r"[+-]?(?:\d+(?:\.\d*)?|\.\d+)(?:[eE][+-]?\d{1,3})?"
+_NUMBER = r"[+-]?(?:[0-9]+(?:\.[0-9]*)?|\.[0-9]+)(?:[eE][+-]?[0-9]{1,3})?"
 _FACTOR = r"(?:[A-Za-zµμ]+|%)(?:\s?(?:\^|\*\*)\s?-?[1-9])?"
 _QUANTITY = re.compile(rf"\s*({_NUMBER})\s*((?:{_FACTOR}(?:\s?[*/·]\s?{_FACTOR}){{0,5}})?)\s*")
 _UNIT = re.compile(rf"\s*({_FACTOR}(?:\s?[*/·]\s?{_FACTOR}){{0,5}})\s*")

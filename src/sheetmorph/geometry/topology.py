@@ -11,6 +11,7 @@ from sheetmorph.core.errors import InputError
 from sheetmorph.geometry.mesh import Floats, Ints, SheetMesh
 
 MAX_NODES = 2_000_000
+MAX_COORDINATE = 1e9  # [m]; squares and products of coordinates must not overflow
 
 
 def build_mesh(nodes: ArrayLike, triangles: ArrayLike, edges: ArrayLike | None = None) -> SheetMesh:
@@ -51,6 +52,12 @@ def _checked_nodes(nodes: ArrayLike) -> Floats:
     bad = ~np.isfinite(points).all(axis=1)
     if bad.any():
         raise InputError(f"node {int(np.argmax(bad))} has a coordinate that is not a finite number")
+    far = (np.abs(points) > MAX_COORDINATE).any(axis=1)
+    if far.any():
+        raise InputError(
+            f"node {int(np.argmax(far))} has a coordinate that is far too large",
+            allowed=f"within ±{MAX_COORDINATE:.0e} m",
+        )
     if points.shape[1] == 2:
         return np.column_stack([points, np.zeros(len(points))])
     spread, extent = float(np.ptp(points[:, 2])), float(np.ptp(points[:, :2], axis=0).max())

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from sheetmorph.design.actuation import Regions, regions, thermal_strain
 from sheetmorph.design.laminate import PublishedStiffness, published_stiffness
+from sheetmorph.design.meshing import hinge_coupling
 from sheetmorph.design.spec import Design
 from sheetmorph.design.supports import held_nodes, perturbation_forces
 from sheetmorph.energy.hinge import CoupledHinge
@@ -35,6 +36,7 @@ class Problem:
         regions: what lies in the pattern.
         stiffness: of edges and hinges.
         thermal_strain: eigenstrain of the edges at full actuation, shape (E,).
+        coupling: natural dihedral angle per strain mismatch of the hinges, shape (H,).
         held_nodes: nodes that the supports hold, shape (N,); empty for a free sheet.
         held_dofs: True at the degrees of freedom that keep their value, shape (3 V,).
         total: the energy.
@@ -47,6 +49,7 @@ class Problem:
     regions: Regions
     stiffness: PublishedStiffness
     thermal_strain: Floats
+    coupling: Floats
     held_nodes: NDArray[np.intp]
     held_dofs: NDArray[np.bool_]
     total: Total
@@ -70,6 +73,7 @@ def build_problem(design: Design) -> Problem:
     region = regions(design, mesh)
     stiffness = published_stiffness(design, mesh, region)
     eigenstrain = thermal_strain(design, mesh, region)
+    coupling = hinge_coupling(design, mesh)
     held = held_nodes(design, mesh, region)
     around = mesh.hinge_edges[:, 1:]
     terms = (
@@ -78,7 +82,7 @@ def build_problem(design: Design) -> Problem:
             mesh.hinges,
             mesh.edge_lengths[around],
             stiffness.bending,
-            np.full(len(mesh.hinges), design.published.coupling),
+            coupling,
             eigenstrain[around] @ SIGNS,
         ),
         NodalLoad(
@@ -93,6 +97,7 @@ def build_problem(design: Design) -> Problem:
         regions=region,
         stiffness=stiffness,
         thermal_strain=eigenstrain,
+        coupling=coupling,
         held_nodes=held,
         held_dofs=_held_dofs(mesh, held),
         total=Total.of(terms, len(mesh.nodes)),

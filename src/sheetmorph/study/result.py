@@ -30,7 +30,7 @@ class Result:
         mesh: its reference mesh.
         positions: node positions of every state [m], shape (S, V, 3); state 0 is flat.
         ramp: fraction of the actuation at every state, shape (S,), 0 to 1.
-        load: fraction of the perturbation load at every state, shape (S,).
+        load_fraction: fraction of the perturbation load at every state, shape (S,).
         residual: largest residual force at every state [N], shape (S,).
         thermal_strain_full: eigenstrain of the edges at full actuation, shape (E,).
         edge_in_pattern: edges whose midpoint lies in the pattern, shape (E,).
@@ -46,7 +46,7 @@ class Result:
     mesh: SheetMesh
     positions: Floats
     ramp: Floats
-    load: Floats
+    load_fraction: Floats
     residual: Floats
     thermal_strain_full: Floats
     edge_in_pattern: Bools
@@ -126,12 +126,12 @@ class Result:
     @cached_property
     def strain(self) -> Floats:
         """Edge strain l/l0 − 1, shape (S, E)."""
-        return surface.edge_strain(self.mesh, self.positions)
+        return surface.edge_strain(self.positions, self.mesh.edges, self.mesh.edge_lengths)
 
     @cached_property
     def dihedral(self) -> Floats:
         """Signed dihedral angle of the hinges [rad], shape (S, H); 0 when flat."""
-        return surface.dihedral_angles(self.mesh.hinges, self.positions)
+        return surface.dihedral_angles(self.positions, self.mesh.hinges)
 
     @cached_property
     def thermal_strain(self) -> Floats:
@@ -167,17 +167,17 @@ class Result:
     @cached_property
     def mean_curvature(self) -> Floats:
         """Mean curvature at the nodes [1/m], shape (S, V); zero on the rim."""
-        return surface.mean_curvature(self.mesh, self.positions)
+        return surface.mean_curvature(self.positions, self.mesh.triangles)
 
     @cached_property
     def gaussian_curvature(self) -> Floats:
         """Gaussian curvature at the nodes [1/m²], shape (S, V); zero on the rim."""
-        return surface.gaussian_curvature(self.mesh, self.positions)
+        return surface.gaussian_curvature(self.positions, self.mesh.triangles)
 
     @cached_property
     def aspect_ratio(self) -> Floats:
         """h/d of every state, shape (S,): height over the largest in-plane width."""
-        return np.array([surface.aspect_ratio(state) for state in self.positions])
+        return np.asarray(surface.aspect_ratio(self.positions))
 
     @cached_property
     def _edge_areas(self) -> Floats:

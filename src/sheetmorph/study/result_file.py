@@ -33,7 +33,7 @@ FIELDS: dict[str, tuple[str, str]] = {
 }
 """Derived fields: written for other programs, computed anew when read."""
 
-_STATES = ("positions", "ramp", "load", "residual")
+_STATES = ("positions", "ramp", "load_fraction", "residual")
 _MODEL = (
     "thermal_strain_full",
     "edge_in_pattern",
@@ -137,7 +137,7 @@ def _check_shapes(parts: dict[str, Any], path: Path) -> None:
     expected: dict[str, tuple[int, ...]] = {
         "positions": (s, v, 3),
         "ramp": (s,),
-        "load": (s,),
+        "load_fraction": (s,),
         "residual": (s,),
         "thermal_strain_full": (e,),
         "edge_in_pattern": (e,),

@@ -1,0 +1,190 @@
+"""What a design amounts to, before anything is simulated: for `sheetmorph check`."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from sheetmorph.design.actuation import Regions, edge_distance, regions, thermal_strain
+from sheetmorph.design.laminate import (
+    LayerStack,
+    film_stack,
+    mean_edge_length,
+    pattern_stack,
+    published_stiffness,
+    total_mass,
+)
+from sheetmorph.design.meshing import hinge_orientation
+from sheetmorph.design.supports import held_nodes, perturbation_forces
+from sheetmorph.geometry.mesh import SheetMesh
+
+if TYPE_CHECKING:
+    from sheetmorph.design.spec import Design
+
+POOR_ANGLE = math.radians(15.0)
+AREA_MISMATCH = 0.15
+
+_RUN = {"file_order": "as the file lists its edges", "away_from_pattern": "by the pattern"}
+
+
+def describe(design: Design, mesh: SheetMesh | None = None) -> dict[str, Any]:
+    """Numbers of a design in SI units, ready for JSON.
+
+    Builds the mesh and every array that a simulation needs, so a design that passes here
+    can be simulated.
+
+    Args:
+        design: the design.
+        mesh: its mesh, when it is built already.
+
+    Raises:
+        InputError: the mesh, a curve or a support is not usable.
+    """
+    path = design.resolve_mesh_path()
+    mesh = design.build_mesh() if mesh is None else mesh
+    region = regions(design, mesh)
+    strain = thermal_strain(design, mesh, region)
+    held = held_nodes(design, mesh, region)
+    forces = perturbation_forces(design, mesh)
+    report = {
+        "name": design.name,
+        "model": design.model,
+        "hash": design.hash,
+        "mesh": _mesh_numbers(design, mesh) | {"source": "made" if path is None else path.name},
+        "regions": _region_numbers(design, mesh, region),
+        "mass": total_mass(design, mesh, region),
+        "actuation": {
+            "eps_pre": design.eps_pre,
+            "temperature": design.actuation.temperature,
+            "greatest_distance": (
+                edge_distance(design, mesh, region)[1] if design.pattern else None
+            ),
+            "strain_range": [float(strain.min()), float(strain.max())],
+        },
+        "supports": {
+            "held_nodes": len(held),
+            "free_dofs": 3 * (len(mesh.nodes) - len(held)) - (0 if len(held) else 6),
+        },
+        "perturbation": {
+            "shape": design.perturbation.shape,
+            "total_force": float(np.abs(forces[:, 2]).sum()),
+        },
+    }
+    return report | {"warnings": _warnings(design, mesh, report)}
+
+
+def format_description(report: dict[str, Any]) -> str:
+    """The dictionary of `describe` as lines for people."""
+    mesh, actuation, support = report["mesh"], report["actuation"], report["supports"]
+    counts = f"{mesh['nodes']} nodes, {mesh['edges']} edges, {mesh['triangles']} triangles"
+    angle = math.degrees(mesh["smallest_angle"])
+    lines = [
+        f"{report['name']} ({report['model']} model), design {report['hash'][:12]}",
+        _row("mesh", f"{counts} ({mesh['source']})"),
+        _row("", f"mean edge {_mm(mesh['mean_edge_length'])}, smallest angle {angle:.0f}°"),
+        _row("", f"hinges run {_RUN[mesh['hinge_orientation']]}"),
+    ]
+    for name, numbers in report["regions"].items():
+        layers = " + ".join(numbers["layers"])
+        bending = f"D {numbers['flexural_rigidity']:.4g} N·m"
+        hinge = f"k_b {numbers['bending_stiffness']:.4g} J"
+        neutral = f"neutral plane at {_mm(numbers['neutral_height'])}"
+        area = f"{1e6 * numbers['area']:.4g} mm²"
+        lines.append(_row(name, f"{area} of {layers}, {_mm(numbers['thickness'])} thick"))
+        lines.append(_row("", f"k_s {numbers['stretching_stiffness']:.4g} J, {bending}, {hinge}"))
+        lines.append(_row("", neutral))
+    heat, reach = actuation["temperature"], actuation["greatest_distance"]
+    at = "" if heat is None else f" at {heat - 273.15:.4g} °C"
+    far = "everywhere" if reach is None else f"reached {_mm(reach)} from the pattern"
+    held = support["held_nodes"]
+    holds = f"{held} nodes held" if held else "free sheet, rigid motions removed"
+    push = report["perturbation"]
+    lines += [
+        _row("mass", f"{1e3 * report['mass']:.4g} g"),
+        _row("actuation", f"eps_pre {actuation['eps_pre']:+.4g}{at}, {far}"),
+        _row("supports", f"{holds}, {support['free_dofs']} degrees of freedom"),
+        _row("perturbation", f"{push['shape']}, {push['total_force']:.3g} N in all"),
+    ]
+    return "\n".join([*lines, *(_row("warning", warning) for warning in report["warnings"])])
+
+
+def _row(label: str, text: str) -> str:
+    return f"  {label:<12}  {text}"
+
+
+def _mm(length: float) -> str:
+    return f"{1e3 * length:.4g} mm"
+
+
+def _mesh_numbers(design: Design, mesh: SheetMesh) -> dict[str, Any]:
+    nodes, edges, triangles = mesh.counts
+    lengths = mesh.edge_lengths
+    return {
+        "nodes": nodes,
+        "edges": edges,
+        "triangles": triangles,
+        "hinges": len(mesh.hinges),
+        "mean_edge_length": mesh.mean_edge_length,
+        "edge_length_range": [float(lengths.min()), float(lengths.max())],
+        "smallest_angle": float(mesh.minimum_angles.min()),
+        "hinge_orientation": hinge_orientation(design, design.resolve_mesh_path()),
+    }
+
+
+def _region_numbers(design: Design, mesh: SheetMesh, region: Regions) -> dict[str, Any]:
+    inside, areas = region.triangle_in_pattern, mesh.triangle_areas
+    everywhere = [layer.name for layer in design.layers if layer.where == "everywhere"]
+    stiffness = published_stiffness(design, mesh, region)
+    film = _stack_numbers(film_stack(design), mean_edge_length(design, mesh))
+    numbers = {
+        "film": film
+        | {
+            "layers": everywhere,
+            "area": float(areas[~inside].sum()),
+            "edges": int((~region.edge_in_pattern).sum()),
+            "stretch_range": _range(stiffness.stretch[~region.edge_in_pattern]),
+        }
+    }
+    if design.pattern:
+        both = _stack_numbers(pattern_stack(design), mean_edge_length(design, mesh))
+        numbers["pattern"] = both | {
+            "layers": [layer.name for layer in design.layers],
+            "area": float(areas[inside].sum()),
+            "edges": int(region.edge_in_pattern.sum()),
+            "stretch_range": _range(stiffness.stretch[region.edge_in_pattern]),
+        }
+    return numbers
+
+
+def _stack_numbers(stack: LayerStack, l0: float) -> dict[str, Any]:
+    return {
+        "thickness": stack.thickness,
+        "neutral_height": stack.neutral_height,
+        "membrane_stiffness": stack.membrane_stiffness,
+        "stretching_stiffness": stack.stretching_stiffness(l0),
+        "flexural_rigidity": stack.flexural_rigidity,
+        "bending_stiffness": stack.bending_stiffness,
+        "areal_mass": stack.areal_mass,
+    }
+
+
+def _range(values: np.ndarray[Any, np.dtype[np.float64]]) -> list[float]:
+    return [float(values.min()), float(values.max())] if len(values) else []
+
+
+def _warnings(design: Design, mesh: SheetMesh, report: dict[str, Any]) -> list[str]:
+    found = []
+    poor = int((mesh.minimum_angles < POOR_ANGLE).sum())
+    if poor:
+        found.append(f"{poor} triangles have an angle below {math.degrees(POOR_ANGLE):.0f}°")
+    if design.pattern:
+        wanted = design.pattern_polygon().area
+        got = report["regions"]["pattern"]["area"]
+        if abs(got - wanted) > AREA_MISMATCH * wanted:
+            areas = f"{1e6 * got:.4g} mm² instead of {1e6 * wanted:.4g} mm²"
+            found.append(f"the mesh gives the pattern {areas}; a finer mesh follows it better")
+    if report["actuation"]["eps_pre"] == 0:
+        found.append("eps_pre is 0, so the sheet stays flat")
+    return found

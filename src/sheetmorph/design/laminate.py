@@ -1,0 +1,147 @@
+"""Stiffness and mass of a stack of layers, and of the edges and hinges of a mesh.
+
+Formulas: `docs` and Zhang, Alon, Jawed, *Emergent morphogenesis via planar fabrication
+enabled by a reduced model of composites*, Eqs. for k_s, k_b and D_eff.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from sheetmorph.geometry.mesh import Floats, SheetMesh
+
+if TYPE_CHECKING:
+    from sheetmorph.design.actuation import Regions
+    from sheetmorph.design.sections import Layer
+    from sheetmorph.design.spec import Design
+
+
+@dataclass(frozen=True, eq=False)
+class LayerStack:
+    """Layers bonded face to face, from the bottom up; n layers.
+
+    Attributes:
+        thicknesses: [m], shape (n,).
+        young_moduli: [Pa], shape (n,).
+        poisson_ratios: shape (n,).
+        densities: [kg/m³], shape (n,).
+    """
+
+    thicknesses: Floats
+    young_moduli: Floats
+    poisson_ratios: Floats
+    densities: Floats
+
+    @classmethod
+    def of(cls, layers: Sequence[Layer]) -> LayerStack:
+        """The stack of these layers, in their order."""
+        columns = [
+            [getattr(layer, name) for layer in layers]
+            for name in ("thickness", "young_modulus", "poisson_ratio", "density")
+        ]
+        return cls(*(np.array(column, dtype=np.float64) for column in columns))
+
+    @property
+    def thickness(self) -> float:
+        """Thickness of the stack [m]."""
+        return float(self.thicknesses.sum())
+
+    @property
+    def plate_moduli(self) -> Floats:
+        """Y = Y0/(1 − ν²) of each layer [Pa], shape (n,)."""
+        return np.asarray(self.young_moduli / (1.0 - self.poisson_ratios**2))
+
+    @property
+    def mid_heights(self) -> Floats:
+        """Height of the middle of each layer above the bottom [m], shape (n,)."""
+        return np.asarray(np.cumsum(self.thicknesses) - 0.5 * self.thicknesses)
+
+    @property
+    def neutral_height(self) -> float:
+        """Height of the neutral plane of bending above the bottom, Σ Y h y / Σ Y h [m]."""
+        weights = self.plate_moduli * self.thicknesses
+        return float(weights @ self.mid_heights / weights.sum())
+
+    @property
+    def membrane_stiffness(self) -> float:
+        """Σ Y h [N/m]."""
+        return float(self.plate_moduli @ self.thicknesses)
+
+    @property
+    def flexural_rigidity(self) -> float:
+        """D = Σ Y [h³/12 + h (y − ȳ)²] per unit width [N·m]."""
+        offsets = self.mid_heights - self.neutral_height
+        inertia = self.thicknesses**3 / 12.0 + self.thicknesses * offsets**2
+        return float(self.plate_moduli @ inertia)
+
+    @property
+    def areal_mass(self) -> float:
+        """Mass per area [kg/m²]."""
+        return float(self.densities @ self.thicknesses)
+
+    def stretching_stiffness(self, mean_edge_length: float) -> float:
+        """k_s = (√3/2) Σ Y h l0² [J] of an edge in a mesh of mean edge length l0 [m]."""
+        return float(np.sqrt(3.0) / 2.0 * self.membrane_stiffness * mean_edge_length**2)
+
+    @property
+    def bending_stiffness(self) -> float:
+        """k_b = (2/√3) D of a hinge [J]."""
+        return float(2.0 / np.sqrt(3.0) * self.flexural_rigidity)
+
+
+@dataclass(frozen=True, eq=False)
+class PublishedStiffness:
+    """Stiffness of the published model on a mesh.
+
+    Attributes:
+        stretch_plain: factor·k_s of the region of each edge [J], shape (E,).
+        stretch: K of each edge as the energy uses it [J], shape (E,): `stretch_plain`,
+            times the edge's own length in metres when the design says
+            "scaled_by_edge_length".
+        bending: k_b of each hinge [J], shape (H,).
+    """
+
+    stretch_plain: Floats
+    stretch: Floats
+    bending: Floats
+
+
+def film_stack(design: Design) -> LayerStack:
+    """The layers outside the pattern: those everywhere."""
+    return LayerStack.of([layer for layer in design.layers if layer.where == "everywhere"])
+
+
+def pattern_stack(design: Design) -> LayerStack:
+    """The layers within the pattern ("bilayer"): all of them."""
+    return LayerStack.of(design.layers)
+
+
+def mean_edge_length(design: Design, mesh: SheetMesh) -> float:
+    """l0 of the stiffness formulas [m]: as the design says, or else that of the mesh."""
+    given = design.published.mean_edge_length
+    return mesh.mean_edge_length if given is None else given
+
+
+def published_stiffness(design: Design, mesh: SheetMesh, regions: Regions) -> PublishedStiffness:
+    """Stiffness of edges and hinges by region; a hinge takes the region of its edge."""
+    l0, options = mean_edge_length(design, mesh), design.published
+    film, bilayer = film_stack(design), pattern_stack(design)
+    plain = options.stretch_factor * np.where(
+        regions.edge_in_pattern, bilayer.stretching_stiffness(l0), film.stretching_stiffness(l0)
+    )
+    scaled = options.stretch_stiffness == "scaled_by_edge_length"
+    bending = np.where(regions.hinge_in_pattern, bilayer.bending_stiffness, film.bending_stiffness)
+    return PublishedStiffness(plain, plain * mesh.edge_lengths if scaled else plain, bending)
+
+
+def total_mass(design: Design, mesh: SheetMesh, regions: Regions) -> float:
+    """Mass of the sheet [kg], region by region of the triangles."""
+    areas, inside = mesh.triangle_areas, regions.triangle_in_pattern
+    return float(
+        areas[inside].sum() * pattern_stack(design).areal_mass
+        + areas[~inside].sum() * film_stack(design).areal_mass
+    )

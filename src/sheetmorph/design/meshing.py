@@ -1,0 +1,113 @@
+"""The mesh of a design, and which way its hinges run."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sheetmorph.core.errors import InputError
+from sheetmorph.core.units import scale_of
+from sheetmorph.design.distance import signed_distance
+from sheetmorph.geometry.mesh import Floats, SheetMesh
+
+if TYPE_CHECKING:
+    from shapely.geometry.base import BaseGeometry
+
+    from sheetmorph.design.spec import Design
+
+AREA_TOLERANCE = 0.05
+_TIE = 1e-6
+
+
+def build_mesh(design: Design) -> SheetMesh:
+    """The reference mesh of a design, see `Design.build_mesh`."""
+    path = design.resolve_mesh_path()
+    if path is None:
+        from sheetmorph.geometry.generate import generate_mesh
+
+        size = design.spec.mesh.size
+        assert size is not None  # noqa: S101  the schema wants a size or a file
+        mesh = generate_mesh(design.outline_polygon(), design.pattern_polygon(), size)
+    else:
+        from sheetmorph.geometry.files import read_mesh
+
+        mesh = read_mesh(path, scale_of(design.spec.mesh.unit, "length"))
+        _check_fits(design, mesh)
+    if hinge_orientation(design, path) == "away_from_pattern":
+        mesh = mesh.with_hinges_reversed(farther_side(mesh, design.pattern_polygon()) < 0)
+    return mesh
+
+
+def hinge_orientation(design: Design, path: Path | None) -> str:
+    """ "file_order" or "away_from_pattern": as the design says, or by where the mesh is from.
+
+    The default is "file_order" for files that list their edges, and "away_from_pattern"
+    for all other meshes, whose edges have no order but that of the numbering.
+    """
+    given = design.published.hinge_orientation
+    if given is not None:
+        return given
+    return "file_order" if path is not None and _lists_edges(path) else "away_from_pattern"
+
+
+def farther_side(mesh: SheetMesh, pattern: BaseGeometry) -> NDArray[np.int8]:
+    """Which of the nodes c and d of each hinge lies farther from the pattern, shape (H,).
+
+    1 for c, -1 for d, 0 where both lie equally far (to a millionth of the size of the sheet).
+    Distance is signed: it is negative within the pattern. Without a pattern, it is that from
+    the middle of the sheet. Only positions enter, so no numbering of nodes, no order of edges,
+    and no turn or mirror image of the drawing changes the outcome.
+    """
+    plane = mesh.nodes[:, :2]
+    if pattern.is_empty:
+        middle = mesh.triangle_areas @ mesh.triangle_centroids / mesh.triangle_areas.sum()
+        away = np.linalg.norm(plane - middle, axis=1)
+    else:
+        away = signed_distance(pattern, plane)
+    difference = away[mesh.hinges[:, 2]] - away[mesh.hinges[:, 3]]
+    difference[np.abs(difference) <= _TIE * mesh.size] = 0.0
+    return np.sign(difference).astype(np.int8)
+
+
+def hinge_coupling(design: Design, mesh: SheetMesh) -> Floats:
+    """Coupling of each hinge of the published model, beta·l0, shape (H,).
+
+    It is `published.coupling`, but zero where hinges run away from the pattern and both
+    sides of a hinge lie equally far from it: such a hinge has no preferred side, and any sign
+    would come from the numbering.
+    """
+    coupling = np.full(len(mesh.hinges), design.published.coupling)
+    if hinge_orientation(design, design.resolve_mesh_path()) == "away_from_pattern":
+        coupling[farther_side(mesh, design.pattern_polygon()) == 0] = 0.0
+    return coupling
+
+
+def _lists_edges(path: Path) -> bool:
+    if path.suffix.lower() != ".txt":
+        return False
+    with path.open("rb") as stream:
+        return any(line.strip().lower().startswith(b"*edges") for line in stream)
+
+
+def _check_fits(design: Design, mesh: SheetMesh) -> None:
+    """Refuse a mesh of another size or place than the outline: mostly a wrong unit."""
+    import shapely
+
+    sheet = design.outline_polygon()
+    area = float(mesh.triangle_areas.sum())
+    bounds = np.concatenate([mesh.nodes[:, :2].min(axis=0), mesh.nodes[:, :2].max(axis=0)])
+    shift = float(np.abs(bounds - np.array(sheet.bounds)).max())
+    extent = float(np.ptp(np.array(shapely.get_coordinates(sheet)), axis=0).max())
+    if abs(area - sheet.area) > AREA_TOLERANCE * sheet.area or shift > AREA_TOLERANCE * extent:
+        x0, y0, x1, y1 = (1e3 * float(bound) for bound in bounds)
+        u0, v0, u1, v1 = (1e3 * bound for bound in sheet.bounds)
+        raise InputError(
+            f"the mesh does not fit the outline: it spans x {x0:.4g} to {x1:.4g} mm, "
+            f"y {y0:.4g} to {y1:.4g} mm and the outline x {u0:.4g} to {u1:.4g} mm, "
+            f"y {v0:.4g} to {v1:.4g} mm; check mesh.unit and the outline",
+            file=design.file,
+            key="mesh",
+        )

@@ -1,0 +1,230 @@
+"""The tables of the design file other than its shapes, each a frozen model in SI."""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal, Self
+
+from pydantic import Field, model_validator
+
+from sheetmorph.design.fields import (
+    Flag,
+    Interval,
+    Number,
+    Quantity,
+    Section,
+    Size,
+    Whole,
+    problem,
+)
+
+FileName = Annotated[str, Field(min_length=1, max_length=200)]
+Fraction = Annotated[Number, Field(gt=0, le=1)]
+
+
+class Layer(Section):
+    """One layer of the sheet; `layers` lists them from the bottom up.
+
+    Attributes:
+        role: "active" layers shrink or swell when actuated, "inert" ones do not.
+        where: "everywhere", or in the "pattern" only.
+        thickness: [m].
+        young_modulus: at the temperature of actuation [Pa].
+        density: [kg/m³].
+    """
+
+    name: Annotated[str, Field(min_length=1, max_length=60, pattern=r"^[^\x00-\x1f\x7f]+$")]
+    role: Literal["active", "inert"]
+    thickness: Annotated[float, Quantity("length", "1 um", "10 cm")]
+    young_modulus: Annotated[float, Quantity("pressure", "0 Pa", "10000 GPa", above=True)]
+    poisson_ratio: Annotated[Number, Field(ge=0, lt=0.5)] = 0.33
+    density: Annotated[float, Quantity("density", "0.1 kg/m^3", "30000 kg/m^3")] = 1000.0
+    where: Literal["everywhere", "pattern"] = "everywhere"
+
+
+class Actuation(Section):
+    """How far the active layers shrink, and how that varies over the sheet.
+
+    Attributes:
+        eps_pre: free strain of an unconstrained active layer; negative is shrinkage.
+        temperature: [K]; gives eps_pre through the shrink curve.
+        shrink_curve: "polystyrene" (built in) or the name of a CSV file.
+        profile: how the strain grows with the distance from the pattern.
+        gamma: steepness of the exponential profile; 0 is linear, large is a step.
+        distance: measured to the nearest midpoint of a bilayer edge (as published), or
+            to the boundary of the pattern (does not depend on the mesh).
+    """
+
+    eps_pre: Annotated[float, Quantity("dimensionless", "-0.95", "1", above=True)] | None = None
+    temperature: Annotated[float, Quantity("temperature", "0 K", "3000 K")] | None = None
+    shrink_curve: FileName = "polystyrene"
+    profile: Literal["linear", "exponential", "step"] = "linear"
+    gamma: Annotated[Number, Field(ge=0, le=1e12)] | None = None
+    distance: Literal["bilayer_edges", "pattern_boundary"] = "pattern_boundary"
+
+    @model_validator(mode="after")
+    def _consistent(self) -> Self:
+        if self.eps_pre is None and self.temperature is None:
+            raise problem("say how far to actuate", key="eps_pre", allowed="eps_pre or temperature")
+        if self.eps_pre is not None and self.temperature is not None:
+            raise problem(
+                "eps_pre and temperature exclude each other; keep one of them", key="temperature"
+            )
+        if self.profile == "exponential" and self.gamma is None:
+            raise problem("the exponential profile needs a gamma, such as 3.0", key="gamma")
+        if self.profile != "exponential" and self.gamma is not None:
+            raise problem(
+                f"the {self.profile} profile has no gamma; remove it, or choose exponential",
+                key="gamma",
+            )
+        return self
+
+
+class BoxSupport(Section):
+    """Holds every node in a box; `pattern_in_box` only those in the pattern too."""
+
+    kind: Literal["box", "pattern_in_box"]
+    x: Interval
+    y: Interval
+
+    @model_validator(mode="after")
+    def _ordered(self) -> Self:
+        for key, interval in (("x", self.x), ("y", self.y)):
+            if interval[0] > interval[1]:
+                raise problem("write the smaller coordinate first", key=key)
+        return self
+
+
+class NodeSupport(Section):
+    """Holds the nodes with these indices (counted from 0)."""
+
+    kind: Literal["nodes"]
+    nodes: Annotated[
+        tuple[Annotated[Whole, Field(ge=0, le=2_000_000)], ...],
+        Field(min_length=1, max_length=100_000),
+    ]
+
+
+class FreeSupport(Section):
+    """Holds nothing: the six rigid motions are removed instead. Same as no support."""
+
+    kind: Literal["free"]
+
+
+Support = Annotated[BoxSupport | NodeSupport | FreeSupport, Field(discriminator="kind")]
+
+
+class Perturbation(Section):
+    """A small load that chooses the branch and is removed at the end.
+
+    Attributes:
+        shape: "uniform" pushes all nodes alike and needs supports; "bowl" pushes the rim
+            one way and the middle the other, without net force or moment.
+        force_per_node: mean force on a node [N].
+        total_force: sum of the forces on the nodes, signs left aside [N]; does not depend
+            on the mesh.
+        ramp_down_steps: number of equal steps in which it is removed.
+    """
+
+    shape: Literal["uniform", "bowl"] = "bowl"
+    force_per_node: Annotated[float, Quantity("force", "0 N", "1000 N")] | None = None
+    total_force: Annotated[float, Quantity("force", "0 N", "1000000 N")] | None = None
+    direction: Literal["up", "down"] = "up"
+    ramp_down_steps: Annotated[Whole, Field(ge=1, le=1000)] = 1
+
+    @model_validator(mode="after")
+    def _one_force(self) -> Self:
+        if self.force_per_node is not None and self.total_force is not None:
+            raise problem(
+                "force_per_node and total_force exclude each other; keep one of them",
+                key="total_force",
+            )
+        return self
+
+
+class MeshSource(Section):
+    """Where the mesh comes from: made with elements of `size`, or read from a file.
+
+    Attributes:
+        size: edge length of the mesh to make [m].
+        file: name of a mesh file in the folder of the design file.
+        reference_file: name of a mesh file in the folder of reference data.
+        unit: unit of length of the coordinates in the file.
+    """
+
+    size: Size | None = None
+    file: FileName | None = None
+    reference_file: FileName | None = None
+    unit: Literal["um", "mm", "cm", "m", "in"] = "mm"
+
+    @model_validator(mode="after")
+    def _one_source(self) -> Self:
+        sources = ("size", "file", "reference_file")
+        given = [name for name in sources if getattr(self, name) is not None]
+        if not given:
+            raise problem("say where the mesh comes from", key="size", allowed=", ".join(sources))
+        if len(given) > 1:
+            raise problem(f"{given[0]} and {given[1]} exclude each other; keep one", key=given[1])
+        if given == ["size"] and "unit" in self.model_fields_set:
+            raise problem("belongs to mesh files; size carries its own unit", key="unit")
+        return self
+
+
+class PublishedOptions(Section):
+    """Options of the published model, named after what they change.
+
+    Attributes:
+        stretch_stiffness: "scaled_by_edge_length" multiplies each edge's stiffness by its
+            own length in metres, as in the released numbers; "printed" does not, as in the
+            printed energy.
+        stretch_factor: factor on the stretching stiffness.
+        coupling: natural dihedral angle per strain difference, beta·l0.
+        mean_edge_length: l0 of the stiffness formulas [m]; that of the mesh by default.
+        hinge_orientation: which way hinges run, and so the sign of the coupling:
+            "file_order" as the file lists its edges, "away_from_pattern" by geometry.
+    """
+
+    stretch_stiffness: Literal["scaled_by_edge_length", "printed"] = "scaled_by_edge_length"
+    stretch_factor: Annotated[Number, Field(gt=0, le=1e9)] = 10.0
+    coupling: Annotated[Number, Field(ge=-1e6, le=1e6)] = 1.0
+    mean_edge_length: Size | None = None
+    hinge_orientation: Literal["file_order", "away_from_pattern"] | None = None
+
+
+class SolverOptions(Section):
+    """How the equilibrium path is followed. Steps are fractions of the actuation.
+
+    Attributes:
+        tolerance: residual force that counts as equilibrium, as a fraction of the moment
+            of one stiffest hinge bent by 1 rad over a mean edge length.
+        max_iterations: iterations allowed per step.
+        max_steps: steps allowed in all.
+        time_limit: [s]; none by default.
+        threads: of the linear solver; 0 for its default.
+    """
+
+    initial_step: Fraction = 0.1
+    max_step: Fraction = 0.1
+    min_step: Fraction = 1e-4
+    tolerance: Annotated[Number, Field(ge=1e-14, le=1e-2)] = 1e-8
+    max_iterations: Annotated[Whole, Field(ge=1, le=10_000)] = 50
+    max_steps: Annotated[Whole, Field(ge=1, le=100_000)] = 1000
+    time_limit: Annotated[float, Quantity("time", "0 s", "720 h", above=True)] | None = None
+    linear_solver: Literal["auto", "mkl", "rslab", "scipy"] = "auto"
+    threads: Annotated[Whole, Field(ge=0, le=256)] = 0
+
+    @model_validator(mode="after")
+    def _ordered(self) -> Self:
+        if not self.min_step <= self.initial_step <= self.max_step:
+            raise problem(
+                "steps must be in order", key="initial_step", allowed="min_step to max_step"
+            )
+        return self
+
+
+class Outputs(Section):
+    """What a run writes beside its result."""
+
+    pictures: Flag = True
+    animation: Flag = True
+    report: Flag = True
+    series: Flag = True

@@ -1,0 +1,266 @@
+"""A design: what the file says, checked, in SI, and what follows from it alone."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from functools import cached_property
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from pydantic import ValidationError
+
+from sheetmorph.core.errors import InputError
+from sheetmorph.core.files import write_text
+from sheetmorph.design import files, schema
+from sheetmorph.design.messages import to_input_error
+
+if TYPE_CHECKING:
+    from shapely import MultiPolygon, Polygon
+
+    from sheetmorph.design import sections, shapes
+    from sheetmorph.geometry.mesh import SheetMesh
+
+_NOT_HASHED = frozenset({"name", "outputs"})
+
+
+@dataclass(frozen=True, eq=False)
+class Design:
+    """A checked design. Make one with `load` or `from_toml`; change one with `with_values`.
+
+    Attributes:
+        spec: the validated content in SI units, see `sheetmorph.design.schema`.
+        source: the TOML text, with its comments.
+        folder: where mesh and curve files are looked up; None when there is none.
+        file: the design file, for messages; None when made from text.
+    """
+
+    spec: schema.DesignSchema
+    source: str = field(repr=False)
+    folder: Path | None = None
+    file: Path | None = None
+
+    @classmethod
+    def load(cls, path: str | Path) -> Design:
+        """Read a design file.
+
+        Raises:
+            InputError: the file cannot be read or holds no valid design; the message
+                names the file, the dotted key, the value, and what is allowed.
+        """
+        file = Path(path)
+        try:
+            return cls.from_toml(files.read_design_text(file), file.parent, file)
+        except InputError as error:
+            raise error.located(file) from None
+
+    @classmethod
+    def from_toml(
+        cls, text: str, folder: str | Path | None = None, file: Path | None = None
+    ) -> Design:
+        """Read a design from TOML text.
+
+        Args:
+            text: the content of a design file.
+            folder: where its mesh and curve files lie.
+            file: the file to name in messages.
+
+        Raises:
+            InputError: as for `load`.
+        """
+        data = files.parse_design_text(text)
+        try:
+            spec = schema.DesignSchema.model_validate(data)
+        except ValidationError as error:
+            raise to_input_error(error) from None
+        return cls(spec, text, None if folder is None else Path(folder), file)
+
+    def with_values(self, values: Mapping[str, object]) -> Design:
+        """A copy with some keys set; this design is left as it is.
+
+        Args:
+            values: from dotted key to value, as in `{"actuation.eps_pre": -0.3,
+                "layers.1.thickness": "0.8 mm"}`. Text is read as a TOML value if it is
+                one. None removes a key. Keys that exclude each other replace each other.
+
+        Raises:
+            InputError: unknown key (the nearest one is named) or a value not allowed.
+        """
+        try:
+            text = files.edit_design_text(self.source, values)
+            return Design.from_toml(text, self.folder, self.file)
+        except InputError as error:
+            raise error.located(self.file) if self.file else error from None
+
+    def to_toml(self) -> str:
+        """The design as TOML text, comments kept; `from_toml` reads it back."""
+        return self.source
+
+    def save(self, path: str | Path) -> None:
+        """Write the design file, whole or not at all.
+
+        Raises:
+            OutputError: it cannot be written.
+        """
+        write_text(path, self.source)
+
+    # The tables of the file.
+
+    @property
+    def name(self) -> str:
+        """Name of the design."""
+        return self.spec.name
+
+    @property
+    def model(self) -> str:
+        """Name of the mechanical model."""
+        return self.spec.model
+
+    @property
+    def layers(self) -> tuple[sections.Layer, ...]:
+        """The layers from the bottom up."""
+        return self.spec.layers
+
+    @property
+    def actuation(self) -> sections.Actuation:
+        """The table `actuation`."""
+        return self.spec.actuation
+
+    @property
+    def supports(self) -> tuple[sections.Support, ...]:
+        """The tables `supports`; empty for a free sheet."""
+        return self.spec.supports
+
+    @property
+    def perturbation(self) -> sections.Perturbation:
+        """The table `perturbation`."""
+        return self.spec.perturbation
+
+    @property
+    def published(self) -> sections.PublishedOptions:
+        """The table `published`."""
+        return self.spec.published
+
+    @property
+    def solver(self) -> sections.SolverOptions:
+        """The table `solver`."""
+        return self.spec.solver
+
+    @property
+    def outputs(self) -> sections.Outputs:
+        """The table `outputs`."""
+        return self.spec.outputs
+
+    @property
+    def outline(self) -> shapes.Outline:
+        """The table `outline`."""
+        return self.spec.outline
+
+    @property
+    def pattern(self) -> tuple[shapes.PatternShape, ...]:
+        """The shapes whose union is the pattern."""
+        return self.spec.pattern
+
+    # What follows from them.
+
+    @property
+    def is_free(self) -> bool:
+        """True when nothing is held and the rigid motions are removed instead."""
+        return all(support.kind == "free" for support in self.supports)
+
+    @cached_property
+    def eps_pre(self) -> float:
+        """Free strain of an unconstrained active layer; negative is shrinkage.
+
+        Raises:
+            InputError: the temperature lies outside the shrink curve, or the curve's
+                file is not usable.
+        """
+        if self.actuation.eps_pre is not None:
+            return self.actuation.eps_pre
+        from sheetmorph.design.shrinkage import load_curve
+
+        assert self.actuation.temperature is not None  # noqa: S101  the schema wants one of the two
+        return load_curve(self).eps_pre(self.actuation.temperature)
+
+    def outline_polygon(self) -> Polygon:
+        """The outline of the sheet [m], circles as inscribed polygons."""
+        return schema.outline_polygon(self.spec)
+
+    def pattern_polygon(self) -> MultiPolygon:
+        """The pattern within the sheet [m]; empty when there is none."""
+        return self._pattern
+
+    @cached_property
+    def _pattern(self) -> MultiPolygon:
+        return schema.pattern_polygon(self.spec)
+
+    def resolve_mesh_path(self) -> Path | None:
+        """Path of the mesh file, or None when the mesh is made from its size.
+
+        Raises:
+            InputError: the file is not there, or lies outside its folder.
+        """
+        mesh = self.spec.mesh
+        if mesh.reference_file is not None:
+            folder = files.reference_folder(self.folder)
+            return self._inside(folder, mesh.reference_file, "mesh.reference_file")
+        if mesh.file is not None:
+            return self.resolve_file(mesh.file, "mesh.file")
+        return None
+
+    def resolve_file(self, name: str, key: str) -> Path:
+        """Path of a file that the design names, inside the design's folder.
+
+        Raises:
+            InputError: there is no folder or no such file, or the name leads out of it.
+        """
+        if self.folder is None:
+            raise InputError(
+                "the design has no folder in which to look for it", key=key, value=name
+            )
+        return self._inside(self.folder, name, key)
+
+    def _inside(self, folder: Path, name: str, key: str) -> Path:
+        try:
+            return files.path_inside(folder, name, key)
+        except InputError as error:
+            raise error.located(self.file) if self.file else error from None
+
+    def build_mesh(self) -> SheetMesh:
+        """The reference mesh: made from the outline, or read from the mesh file.
+
+        Its hinges run as `published.hinge_orientation` wants.
+
+        Raises:
+            InputError: the mesh file is not usable or does not fit the outline.
+        """
+        from sheetmorph.design.meshing import build_mesh
+
+        return build_mesh(self)
+
+    @cached_property
+    def hash(self) -> str:
+        """SHA-256 of the content: SI values and the bytes of the files it names.
+
+        The name, the outputs, comments, and the units in which a value is written do not
+        change it.
+
+        Raises:
+            InputError: a file that the design names is not there.
+        """
+        content: dict[str, Any] = self.spec.model_dump(mode="json", exclude=set(_NOT_HASHED))
+        mesh = self.resolve_mesh_path()
+        content["mesh"] = {"size": self.spec.mesh.size, "unit": self.spec.mesh.unit}
+        if mesh is not None:
+            content["mesh"]["sha256"] = hashlib.sha256(mesh.read_bytes()).hexdigest()
+        curve = self.actuation.shrink_curve
+        if self.actuation.temperature is None:
+            del content["actuation"]["shrink_curve"]
+        elif curve != "polystyrene":
+            path = self.resolve_file(curve, "actuation.shrink_curve")
+            content["actuation"]["shrink_curve"] = hashlib.sha256(path.read_bytes()).hexdigest()
+        text = json.dumps(content, sort_keys=True, separators=(",", ":"), allow_nan=False)
+        return hashlib.sha256(text.encode()).hexdigest()

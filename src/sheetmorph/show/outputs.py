@@ -1,0 +1,138 @@
+"""A run from design to folder: simulate, and write all that the design asks for."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from time import perf_counter
+
+from sheetmorph.core.errors import InputError
+from sheetmorph.core.events import Listener, Progress, silent
+from sheetmorph.design.spec import Design
+from sheetmorph.geometry.writers import write_stl, write_vtu_series
+from sheetmorph.show import fields
+from sheetmorph.show.folder import write_folder
+from sheetmorph.show.render import RenderWorker
+from sheetmorph.study.journal import Journal
+from sheetmorph.study.result import Result
+from sheetmorph.study.simulate import simulate
+
+RESUMABLE = ("interrupted", "time_limit", "too_many_steps")
+"""Statuses after which the states are kept for `--resume`."""
+
+
+def run_design(
+    design: Design,
+    folder: str | Path,
+    *,
+    resume: bool = False,
+    force: bool = False,
+    on_event: Listener = silent,
+    started: float | None = None,
+) -> tuple[Result, list[str]]:
+    """Simulate a design and write its results folder.
+
+    Args:
+        design: what to simulate.
+        folder: where to write: result.h5, summary.json, shape.stl, and as the design's
+            `outputs` ask: series/ for ParaView, pictures/, animation.gif, report.html.
+        resume: go on from the states that an unfinished run left in the folder.
+        force: replace the results that are in the folder.
+        on_event: told of the progress.
+        started: `time.perf_counter()` at the beginning of the job; now by default.
+
+    Returns:
+        The result, and notes for the user (such as what to install for better pictures).
+
+    Raises:
+        InputError: bad design, or the folder holds results and `force` is not set.
+        OutputError: something could not be written; what is there is whole.
+    """
+    began = perf_counter() if started is None else started
+    place = Path(folder)
+    journal = Journal.of_run(place)
+    _guard(place, journal, resume, force)
+    wanted = design.outputs
+    draws = wanted.pictures or wanted.animation
+    worker = RenderWorker.start() if draws else None
+    notes: list[str] = []
+    try:
+        result = simulate(design, on_event=on_event, journal=journal, resume=resume)
+        if result.status == "interrupted":
+            return result, notes
+        on_event(Progress(0.95, "writing"))
+        result.save(place)
+        write_stl(place / "shape.stl", result.mesh.triangles, result.positions[-1])
+        if wanted.series:
+            write_series(result, place)
+        on_event(Progress(0.97, "drawing"))
+        result.summary["seconds"]["wall"] = perf_counter() - began
+        if draws or wanted.report:
+            shown = write_folder(
+                result,
+                place,
+                worker,
+                pictures=wanted.pictures,
+                animation=wanted.animation,
+                report=wanted.report,
+            )
+            notes += shown.notes
+    finally:
+        if worker is not None:
+            worker.close()
+    result.summary["seconds"]["wall"] = perf_counter() - began
+    result.save_summary(place)
+    if result.status not in RESUMABLE:
+        journal.remove()
+    on_event(Progress(1.0, "done"))
+    return result, notes
+
+
+def write_series(result: Result, folder: str | Path) -> Path:
+    """Write `series/shape.pvd`, every state with its fields, for ParaView.
+
+    Edge and hinge fields are averaged onto the triangles and nodes they touch.
+
+    Raises:
+        OutputError: a file cannot be written.
+    """
+    mesh = result.mesh
+    return write_vtu_series(
+        Path(folder) / "series",
+        "shape",
+        mesh.triangles,
+        result.positions,
+        result.ramp,
+        point_fields={
+            "height_m": result.height,
+            "mean_curvature_per_m": result.mean_curvature,
+            "gaussian_curvature_per_m2": result.gaussian_curvature,
+            "dihedral_angle_size_rad": [
+                fields.hinges_to_nodes(mesh, abs(angles)) for angles in result.dihedral
+            ],
+        },
+        cell_fields={
+            "strain": [fields.edges_to_triangles(mesh, values) for values in result.strain],
+            "thermal_strain": [
+                fields.edges_to_triangles(mesh, values) for values in result.thermal_strain
+            ],
+            "in_pattern": [result.triangle_in_pattern.astype(float)] * len(result.ramp),
+        },
+    )
+
+
+def _guard(place: Path, journal: Journal, resume: bool, force: bool) -> None:
+    """Refuse to overwrite results, or to throw away the states of an unfinished run."""
+    if place.exists() and not place.is_dir():
+        raise InputError("this is a file; choose another folder with -o", file=place)
+    if resume or force:
+        return
+    if (place / "result.h5").exists():
+        raise InputError(
+            "this folder holds results; add --force to replace them, or choose another with -o",
+            file=place,
+        )
+    if journal.exists:
+        raise InputError(
+            "this folder holds an unfinished run; add --resume to go on, or --force to start anew",
+            file=place,
+        )

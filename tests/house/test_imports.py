@@ -1,0 +1,64 @@
+"""Who may import whom: nothing imports upward, lazy imports count."""
+
+from __future__ import annotations
+
+import ast
+from pathlib import Path
+
+import pytest
+
+SOURCE = Path(__file__).resolve().parents[2] / "src" / "sheetmorph"
+
+MAY_IMPORT: dict[str, set[str]] = {
+    "core": set(),
+    "geometry": {"core"},
+    "design": {"core", "geometry"},
+    "energy": {"core", "geometry"},
+    "solve": {"core"},
+    "study": {"core", "geometry", "design", "energy", "solve"},
+    "show": {"core", "geometry", "design", "study"},
+    "cli.py": {"core", "geometry", "design", "energy", "solve", "study", "show"},
+}
+PLOTTING = {"matplotlib", "pyvista", "vtkmodules", "vtk", "PIL", "jinja2", "rich", "click"}
+MAY_PLOT = {"show", "cli.py"}
+EVERYWHERE = {"sheetmorph"}  # the package itself: its version
+
+
+def imports_of(file: Path) -> list[tuple[int, str]]:
+    found = []
+    for node in ast.walk(ast.parse(file.read_text("utf-8"))):
+        if isinstance(node, ast.Import):
+            found += [(node.lineno, alias.name) for alias in node.names]
+        elif isinstance(node, ast.ImportFrom):
+            assert node.level == 0, f"{file}:{node.lineno}: write the import absolutely"
+            found.append((node.lineno, str(node.module)))
+            if node.module == "sheetmorph":
+                found += [(node.lineno, f"sheetmorph.{alias.name}") for alias in node.names]
+    return found
+
+
+def rooms() -> list[Path]:
+    return sorted(p for p in SOURCE.rglob("*.py") if p.parent != SOURCE or p.name == "cli.py")
+
+
+@pytest.mark.parametrize("file", rooms(), ids=lambda p: str(p.relative_to(SOURCE)))
+def test_imports_point_downward(file: Path) -> None:
+    room = file.relative_to(SOURCE).parts[0]
+    known = {name.removesuffix(".py") for name in MAY_IMPORT}
+    for line, module in imports_of(file):
+        parts = module.split(".")
+        if parts[0] == "sheetmorph" and len(parts) > 1 and parts[1] in known:
+            allowed = MAY_IMPORT[room] | {room.removesuffix(".py")}
+            assert parts[1] in allowed, f"{file.name}:{line}: {room} may not import {module}"
+        if parts[0] in PLOTTING:
+            assert room in MAY_PLOT, f"{file.name}:{line}: {room} may not import {module}"
+
+
+def test_every_room_has_its_rule() -> None:
+    folders = {p.name for p in SOURCE.iterdir() if p.is_dir() and p.name != "__pycache__"}
+    assert folders == {name for name in MAY_IMPORT if not name.endswith(".py")}
+
+
+def test_files_are_short() -> None:
+    lengths = {p: len(p.read_text("utf-8").splitlines()) for p in SOURCE.rglob("*.py")}
+    assert {p.name: n for p, n in lengths.items() if n > 400} == {}
