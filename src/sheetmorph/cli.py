@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import json
 import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from time import perf_counter
 from typing import TYPE_CHECKING, Any
@@ -80,7 +82,8 @@ def check(file: Path, overrides: tuple[str, ...], as_json: bool) -> None:
     """
     from sheetmorph.design.check import describe, format_description
 
-    description = describe(_load_design(file, overrides))
+    with _naming(file):
+        description = describe(_load_design(file, overrides))
     click.echo(json.dumps(description, indent=2) if as_json else format_description(description))
 
 
@@ -121,7 +124,7 @@ def run(
     design = _load_design(file, overrides)
     folder = output if output is not None else Path("results") / file.stem
     silent = quiet or as_json
-    with _progress(silent) as listener:
+    with _Progress(silent) as listener, _naming(file):
         from sheetmorph.show.outputs import run_design
 
         result, notes = run_design(
@@ -194,16 +197,25 @@ def _load_design(file: Path, overrides: tuple[str, ...]) -> Design:
     return design.with_values(values) if values else design
 
 
-class _progress:  # noqa: N801
-    """A progress bar on the terminal, fed by events; silent when asked or when piped."""
+@contextmanager
+def _naming(file: Path) -> Iterator[None]:
+    """Name the design file in errors about one of its keys that name no file."""
+    try:
+        yield
+    except InputError as error:
+        raise (error.located(file) if error.key else error) from None
+
+
+class _Progress:
+    """A progress bar on the terminal, fed by events; nothing when silenced or piped."""
 
     def __init__(self, silent: bool) -> None:
-        self._silent = silent
+        self._shown = not silent and sys.stderr.isatty()
         self._bar: Any = None
         self._task: Any = None
 
     def __enter__(self) -> Listener:
-        if self._silent:
+        if not self._shown:
             from sheetmorph.core.events import silent
 
             return silent
@@ -211,11 +223,11 @@ class _progress:  # noqa: N801
         from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
 
         self._bar = Progress(
-            TextColumn("{task.fields[title]}"),
+            TextColumn("{task.fields[title]}", markup=False),
             BarColumn(),
             TextColumn("{task.percentage:>3.0f} %"),
             TimeElapsedColumn(),
-            TextColumn("{task.description}"),
+            TextColumn("{task.description}", markup=False),
             console=Console(stderr=True),
             transient=True,
         )
@@ -228,14 +240,12 @@ class _progress:  # noqa: N801
             self._bar.stop()
 
     def _listen(self, event: Event) -> None:
-        from sheetmorph.core.events import Notice, Progress, Started
+        from sheetmorph.core.events import Progress, Started
 
         if isinstance(event, Started):
             self._bar.update(self._task, title=event.title)
         elif isinstance(event, Progress):
             self._bar.update(self._task, completed=event.fraction, description=event.text)
-        elif isinstance(event, Notice):
-            self._bar.console.print(event.text, highlight=False, markup=False)
 
 
 def _tell(summary: dict[str, Any], folder: Path, notes: list[str]) -> None:

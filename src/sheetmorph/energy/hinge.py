@@ -107,8 +107,11 @@ def _coupled_hinge(  # type: ignore[no-untyped-def]
     from the edge to the opposite node, altitude h and foot of the altitude at the fraction s
     of a→b:
         ∇θ at the opposite node = σ n / h,   at a: −(1 − s) of it,   at b: −s of it,
-    with σ = −1 for the sign convention of the class. The Hessian follows from
-        dh = m·w,   ds = …,   dn = −m (n·w)/h − u (n·(db − da))/L,   w = dopposite − (1−s)da − s db.
+    with σ = −1 for the sign convention of the class (lifting c or d off a flat sheet makes θ
+    negative). The Hessian follows from the changes of h, n and s with the nodes, where
+    w = d(opposite) − (1 − s) da − s db:
+        dh = m·w,   dn = −m (n·w)/h − u (n·(db − da))/L,
+        ds/da = −(1 − s) u/L − h m/L²,   ds/db = −s u/L + h m/L²,   ds/d(opposite) = u/L.
     """
     g = np.empty((4, 3))
     for i in range(start, stop):
@@ -140,7 +143,7 @@ def _coupled_hinge(  # type: ignore[no-untyped-def]
         n1x, n1y, n1z = uy * m1z - uz * m1y, uz * m1x - ux * m1z, ux * m1y - uy * m1x
         n2x, n2y, n2z = m2y * uz - m2z * uy, m2z * ux - m2x * uz, m2x * uy - m2y * ux
         cosine = n1x * n2x + n1y * n2y + n1z * n2z
-        # (n1 × n2)·u = −n1·m2, because n2 × u = −m2 … written without the cross product.
+        # (n1 × n2)·u = n1·(n2 × u) = −n1·m2, which saves a cross product.
         sine = -(n1x * m2x + n1y * m2y + n1z * m2z)
         theta = math.atan2(sine, cosine)
 

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.spatial import cKDTree
 
 from sheetmorph.geometry.mesh import Floats
 from sheetmorph.geometry.triangulate import Indices
@@ -169,34 +170,56 @@ def _joined(pieces: list[Floats], outline: Polygon) -> Curves:
     lengths = np.array([_arc(piece)[-1] for piece in pieces])
     label = _clusters(places, ends, lengths)
     nodes = _representatives(places, label, outline)
-    knots: list[Floats] = []
-    vertices: list[Floats] = []
-    spans: list[tuple[float, float]] = []
+    lines: list[Floats] = []
     kept: list[tuple[int, int]] = []
-    turning: list[float] = []
-    start = 0.0
     for piece, (a, b), length in zip(pieces, ends, lengths, strict=True):
         first, last = int(label[a]), int(label[b])
-        if first == last and a != b and length < 2 * MERGE:
+        if first == last and length < 2 * MERGE:
             continue
         line = _reattached(piece, nodes[first])
-        line = _reattached(line[::-1], nodes[last])[::-1]
-        s = _arc(line)
-        knots.append(start + s)
-        vertices.append(line)
-        spans.append((start, start + s[-1]))
-        turning.append(_total_turning(line))
+        lines.append(_reattached(line[::-1], nodes[last])[::-1])
         kept.append((first, last))
-        start += s[-1] + 1.0
+    twins = _twins(lines, kept, outline)
+    lines = [line for k, line in enumerate(lines) if k not in twins]
+    kept = [pair for k, pair in enumerate(kept) if k not in twins]
+    arcs = [_arc(line) for line in lines]
+    lengths = np.array([arc[-1] for arc in arcs])
+    starts = np.concatenate([[0.0], np.cumsum(lengths[:-1] + 1.0)])
     used, ends = np.unique(np.array(kept), return_inverse=True)
     return Curves(
         nodes[used],
         ends.reshape(-1, 2),
-        np.array(spans),
-        np.concatenate(knots),
-        np.concatenate(vertices),
-        np.array(turning),
+        np.stack([starts, starts + lengths], axis=1),
+        np.concatenate([start + arc for start, arc in zip(starts, arcs, strict=True)]),
+        np.concatenate(lines),
+        np.array([_total_turning(line) for line in lines]),
     )
+
+
+def _twins(lines: list[Floats], ends: list[tuple[int, int]], outline: Polygon) -> set[int]:
+    """Short lines between the same nodes that nearly coincide: all but one of each, by index.
+
+    They are the two sides of a sliver that merging nodes closed. One on the outline stays.
+    """
+    import shapely
+
+    groups: dict[tuple[int, int], list[int]] = {}
+    for k, (a, b) in enumerate(ends):
+        if a != b and len(lines[k]) > 1:
+            groups.setdefault((min(a, b), max(a, b)), []).append(k)
+    twins: set[int] = set()
+    for group in groups.values():
+        if len(group) < 2:
+            continue
+        shapes = {k: shapely.LineString(lines[k]) for k in group}
+        middle = {k: shapes[k].interpolate(0.5, normalized=True) for k in group}
+        group.sort(key=lambda k: (round(middle[k].distance(outline.boundary), 6), k))
+        for place, k in enumerate(group):
+            for other in group[:place]:
+                close = shapes[k].hausdorff_distance(shapes[other]) < MERGE
+                if close and other not in twins and shapes[k].length < 2.0:
+                    twins.add(k)
+    return twins
 
 
 def _reattached(line: Floats, node: Floats) -> Floats:
@@ -210,11 +233,17 @@ def _reattached(line: Floats, node: Floats) -> Floats:
 
 
 def _clusters(places: Floats, ends: Indices, lengths: Floats) -> Indices:
-    """Label of each place; places joined by a short piece share one while the group is small."""
+    """Label of each place; places that are too close share one while their group is small."""
     label = np.arange(len(places))
-    for k in np.lexsort((np.arange(len(lengths)), np.round(lengths, 6))):
-        a, b = label[ends[k]]
-        if lengths[k] > MERGE or a == b:
+    near = cKDTree(places).query_pairs(MERGE, output_type="ndarray")
+    pairs = np.concatenate([ends, near])
+    apart = np.linalg.norm(places[near[:, 0]] - places[near[:, 1]], axis=1)
+    distance = np.concatenate([lengths, apart])
+    for k in np.lexsort((np.arange(len(pairs)), np.round(distance, 6))):
+        if distance[k] > MERGE:
+            break
+        a, b = label[pairs[k]]
+        if a == b:
             continue
         group = places[(label == a) | (label == b)]
         if np.linalg.norm(np.ptp(group, axis=0)) <= MERGE:

@@ -85,10 +85,11 @@ def resolved(outline: Polygon, pattern: Geometry) -> Geometry:
     _check_thin(outline, SPECK, "the sheet is")
     if pattern.is_empty:
         return pattern
-    film = _areas_only(outline.difference(pattern))
+    film = _areas_only(shapely.difference(outline, pattern, grid_size=1e-9))
     gaps = _check_thin(film, SPECK, "the film beside the pattern is")
     if not gaps.is_empty:
-        pattern = _areas_only(outline.difference(_without(film, gaps)))
+        film = _without(film, gaps)
+        pattern = _areas_only(shapely.difference(outline, film, grid_size=1e-9))
     slivers = _check_thin(pattern, SPECK, "the pattern is")
     if not slivers.is_empty:
         pattern = _without(pattern, slivers)
@@ -96,7 +97,10 @@ def resolved(outline: Polygon, pattern: Geometry) -> Geometry:
 
 
 def _without(shape: Geometry, thin: Geometry) -> Geometry:
-    return _areas_only(shape.difference(thin.buffer(1.1 * BLUR, join_style="mitre")))
+    import shapely
+
+    cut = thin.buffer(1.1 * BLUR, join_style="mitre")
+    return _areas_only(shapely.difference(shape, cut, grid_size=1e-9))
 
 
 def _check_thin(shape: Geometry, limit: float, what: str) -> Geometry:
@@ -105,7 +109,7 @@ def _check_thin(shape: Geometry, limit: float, what: str) -> Geometry:
 
     options = {"join_style": "mitre", "mitre_limit": 10.0}
     opened = shape.buffer(-0.5 * THIN, **options).buffer(0.5 * THIN, **options)
-    thin = shape.difference(opened.buffer(BLUR, join_style="mitre"))
+    thin = shapely.difference(shape, opened.buffer(BLUR, join_style="mitre"), grid_size=1e-9)
     parts = [part for part in shapely.get_parts(thin) if part.area > 1e-10]
     for part in parts:
         if part.area > limit:

@@ -17,7 +17,7 @@ from sheetmorph.geometry.features import (
 )
 from sheetmorph.geometry.improve import sharpen
 from sheetmorph.geometry.mesh import Floats, SheetMesh
-from sheetmorph.geometry.seeds import interior_points
+from sheetmorph.geometry.seeds import filled, interior_points
 from sheetmorph.geometry.smooth import relax
 from sheetmorph.geometry.topology import build_mesh
 from sheetmorph.geometry.triangulate import Indices, enclosed, triangulate
@@ -26,6 +26,7 @@ if TYPE_CHECKING:
     from shapely import Geometry, Polygon
 
 ROUNDS, SWEEPS = 8, 3  # smoothing: triangulations, and sweeps after each
+FILLS = (1, 3)  # rounds after which missing points are added and crowded ones removed
 TARGET = np.radians(40.0)  # triangles below this are improved one by one
 ENOUGH = np.radians(30.0)  # a mesh whose smallest angle is below this is tried again
 TOLERANCE = 0.02  # relative error of the mean edge length at which the search ends
@@ -119,6 +120,11 @@ def _trial(
         )
     except TooThinError as error:
         raise error.in_metres(unit, origin) from None
+    except shapely.errors.GEOSException as error:
+        raise InputError(
+            "the boundaries run too close to each other for the mesh size; choose a smaller size",
+            value=f"size {unit * 1e3:.3g} mm",
+        ) from error
     mesh = build_mesh(origin + unit * points, triangles)
     return mesh, float(mesh.minimum_angles.min())
 
@@ -132,8 +138,11 @@ def _draft(outline: Polygon, pattern: Geometry) -> tuple[Floats, Indices]:
     points = np.concatenate([fixed, interior_points(fixed, segments, domain)])
     free = np.arange(len(points)) >= len(fixed)
     triangles = triangulate(points, segments, domain)
-    for _ in range(ROUNDS):
+    for turn in range(ROUNDS):
         points = relax(points, triangles, free, SWEEPS)
+        if turn in FILLS:
+            points = filled(points, triangles, segments, len(fixed), domain)
+            free = np.arange(len(points)) >= len(fixed)
         triangles = triangulate(points, segments, domain)
     stations = sampling.stations
     for _ in range(4):

@@ -13,17 +13,18 @@ from sheetmorph.geometry.mesh import Floats
 from sheetmorph.geometry.triangulate import Indices
 
 if TYPE_CHECKING:
-    from shapely import Polygon
+    from shapely import Geometry
 
 # All lengths here are in units of the wanted edge length.
 ROW = np.sqrt(0.75)
 APEX = 0.8  # distance of the first row from the boundary, a little less than ROW
 CLEAR = 0.55  # no point closer to the boundary than this
 APART = 0.5  # points of the first row closer than this become one
+WIDE = 0.75  # a triangle with a larger circumcircle has room for a point; ideal are 0.58
 SPACE = 0.75  # no lattice point closer to the first row than this
 
 
-def interior_points(boundary: Floats, segments: Indices, domain: Polygon) -> Floats:
+def interior_points(boundary: Floats, segments: Indices, domain: Geometry) -> Floats:
     """Points inside a domain: a row along its boundary segments, then a hexagonal lattice.
 
     The row stands on both sides of each segment where the apex of a nearly equilateral
@@ -41,9 +42,7 @@ def interior_points(boundary: Floats, segments: Indices, domain: Polygon) -> Flo
     import shapely
 
     ends = boundary[segments]
-    parts = np.linspace(0.0, 1.0, 9)[:, None, None]
-    walls = cKDTree((ends[:, 0] * (1 - parts) + ends[:, 1] * parts).reshape(-1, 2))
-
+    walls = _wall_tree(ends)
     middle = ends.mean(axis=1)
     along = ends[:, 1] - ends[:, 0]
     normal = np.stack([-along[:, 1], along[:, 0]], -1)
@@ -59,6 +58,51 @@ def interior_points(boundary: Floats, segments: Indices, domain: Polygon) -> Flo
         grid = grid[cKDTree(row).query(grid, distance_upper_bound=2.0)[0] > SPACE]
     grid = grid[shapely.contains_xy(domain, grid[:, 0], grid[:, 1])]
     return np.concatenate([row, grid])
+
+
+def filled(
+    points: Floats, triangles: Indices, segments: Indices, fixed: int, domain: Geometry
+) -> Floats:
+    """Points with one added in each empty place, and those with too few neighbours removed.
+
+    Args:
+        points: positions, shape (N, 2), the first `fixed` on the boundary.
+        triangles: corner indices, shape (T, 3).
+        segments: indices of boundary points, shape (M, 2).
+        domain: where points may lie.
+
+    Returns:
+        The boundary points, the interior points that stay, then the new ones.
+    """
+    import shapely
+
+    keep = np.bincount(triangles.ravel(), minlength=len(points)) > 4
+    keep[:fixed] = True
+    centre, radius = circumcircles(points, triangles)
+    wide = (radius > WIDE) & (radius < 2.0)
+    new = merged(centre[wide], SPACE)
+    new = new[shapely.contains_xy(domain, new[:, 0], new[:, 1])]
+    points = points[keep]
+    if len(new):
+        alone = cKDTree(points).query(new)[0] > 0.8 * WIDE
+        new = new[alone & (_wall_tree(points[segments]).query(new)[0] > 0.8 * CLEAR)]
+    return np.concatenate([points, new])
+
+
+def circumcircles(points: Floats, triangles: Indices) -> tuple[Floats, Floats]:
+    """Centres, shape (T, 2), and radii, shape (T,), of the circles through the corners."""
+    a, b, c = (points[triangles[:, k]] for k in range(3))
+    u, v = b - a, c - a
+    uu, vv = (u * u).sum(axis=1), (v * v).sum(axis=1)
+    offset = np.stack([v[:, 1] * uu - u[:, 1] * vv, u[:, 0] * vv - v[:, 0] * uu], -1)
+    offset /= np.maximum(2.0 * (u[:, 0] * v[:, 1] - u[:, 1] * v[:, 0]), 1e-12)[:, None]
+    return a + offset, np.linalg.norm(offset, axis=1)
+
+
+def _wall_tree(ends: Floats) -> cKDTree:
+    """Points on the segments, close enough to each other to measure distances to them."""
+    parts = np.linspace(0.0, 1.0, 9)[:, None, None]
+    return cKDTree((ends[:, 0] * (1 - parts) + ends[:, 1] * parts).reshape(-1, 2))
 
 
 def hexagonal_lattice(bounds: tuple[float, float, float, float]) -> Floats:

@@ -46,7 +46,7 @@ def relax(points: Floats, triangles: Indices, free: NDArray[np.bool_], sweeps: i
             [np.bincount(flat, np.repeat(area * centre[:, k], 3), count) for k in (0, 1)], -1
         )
         moved = points.copy()
-        moved[free] = goal[free] / weight[free, None]
+        moved[free] = goal[free] / np.maximum(weight[free, None], 1e-12)
         points = _without_flips(points, moved, triangles)
     return points
 
@@ -56,7 +56,7 @@ def _centres(points: Floats, triangles: Indices, area: Floats) -> Floats:
     u, v = b - a, c - a
     uu, vv = (u * u).sum(axis=1), (v * v).sum(axis=1)
     offset = np.stack([v[:, 1] * uu - u[:, 1] * vv, u[:, 0] * vv - v[:, 0] * uu], -1)
-    offset /= 4.0 * area[:, None]
+    offset /= np.maximum(4.0 * area[:, None], 1e-12)
     to_centroid = (u + v) / 3.0
     # Beyond 0.35 of the shortest height the circumcentre is out of reach.
     away = offset - to_centroid

@@ -133,14 +133,8 @@ def write_aspect_ratio(result: Result, path: Path) -> Path:
     axes.set_axisbelow(True)
     for side in ("top", "right"):
         axes.spines[side].set_visible(False)
-    axes.annotate(
-        f"h/d = {ratio[-1]:.3f}",
-        (actuation[-1], ratio[-1]),
-        xytext=(-8, -30),
-        textcoords="offset points",
-        ha="right",
-        fontweight="bold",
-    )
+    last = f"h/d = {ratio[-1]:.3f} at {actuation_text(float(actuation[-1]))}"
+    sheet.text(WIDTH - 24, sheet.height - 20, last, ha="right", va="top", fontsize=16)
     axes.legend(loc="upper left", frameon=False)
     sheet.foot("h: height of the shape; d: largest width of its outline seen from above")
     return sheet.save(path)

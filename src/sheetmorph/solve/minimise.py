@@ -52,7 +52,7 @@ class Minimum:
         outcome: how it ended.
         x: the degrees of freedom, shape (n,).
         energy: there [J].
-        residual: largest force on a free degree of freedom [N].
+        gradient: there, zero at held degrees of freedom [N], shape (n,).
         iterations: Newton steps taken.
         stable: True when the last Hessian on the way was positive definite.
         travelled: largest displacement from the starting point [m].
@@ -61,10 +61,15 @@ class Minimum:
     outcome: Outcome
     x: Floats
     energy: float
-    residual: float
+    gradient: Floats
     iterations: int
     stable: bool
     travelled: float
+
+    @property
+    def residual(self) -> float:
+        """Largest force on a free degree of freedom [N]."""
+        return float(np.abs(self.gradient).max(initial=0.0))
 
 
 @dataclass(frozen=True, eq=False)
@@ -100,7 +105,7 @@ def minimise(system: System, start: Floats, options: NewtonOptions) -> Minimum:
     def end(outcome: Outcome) -> Minimum:
         travelled = float(np.abs(point.x - start).max(initial=0.0))
         return Minimum(
-            outcome, point.x, point.energy, point.residual, iterations, shift == 0.0, travelled
+            outcome, point.x, point.energy, point.gradient, iterations, shift == 0.0, travelled
         )
 
     while True:

@@ -216,7 +216,7 @@ def _step(
         here = system.at(ramp, load)
         before = system.work.iterations, system.work.factorisations
         guess = _predict(known, s)
-        found = minimise(here, _better_start(here, guess, last.x), options.newton)
+        found = minimise(here, guess, options.newton)
         if found.outcome is Outcome.CONVERGED:
             break
         on_event(StepRejected(ramp, load, found.outcome.replace("_", " ")))
@@ -228,11 +228,13 @@ def _step(
     if not found.stable or (at_end and last.leg == len(waypoints) - 2):
         found, pivots = _settle(here, found, options)
     cost = system.work.factorisations - before[1]
+    # No prediction across a corner, nor for the small steps of a leg walked in equal ones.
+    tangent = np.zeros_like(found.x)
+    if not at_end and last.leg not in equal_steps:
+        tangent = _tangent(here, first, second, ramp, load, found)
     state = PathState(
         x=found.x,
-        tangent=np.zeros_like(found.x)
-        if at_end
-        else _tangent(here, first, second, ramp, load, found.x),
+        tangent=tangent,
         leg=last.leg + 1 if at_end else last.leg,
         s=0.0 if at_end else s,
         step=options.initial_step if at_end else _next_step(s - last.s, cost, options),
@@ -265,29 +267,26 @@ def _next_step(size: float, cost: int, options: PathOptions) -> float:
 def _predict(known: list[PathState], s: float) -> Floats:
     """Extrapolate: the cubic through the last two states of the leg and their tangents.
 
-    With one state on the leg, along its tangent.
+    With one state on the leg, along its tangent; without tangents, along the chord.
     """
     last = known[-1]
     ds = s - last.s
-    if len(known) < 2 or known[-2].leg != last.leg or known[-2].s == 0.0:
+    past = known[-2] if len(known) > 1 and known[-2].leg == last.leg else None
+    if past is None:
         return last.x + ds * last.tangent
-    past = known[-2]
     h = last.s - past.s
     chord = (last.x - past.x) / h
+    if not last.tangent.any():
+        return last.x + ds * chord
+    if past.s == 0.0:
+        return last.x + ds * last.tangent
     second = (4.0 * last.tangent + 2.0 * past.tangent - 6.0 * chord) / h
     third = 6.0 * (last.tangent + past.tangent - 2.0 * chord) / (h * h)
     return last.x + ds * (last.tangent + ds * (second / 2.0 + ds * third / 6.0))
 
 
-def _better_start(system: System, guess: Floats, fallback: Floats) -> Floats:
-    """The prediction, unless staying where we are has the lower energy."""
-    if guess is fallback or np.array_equal(guess, fallback):
-        return fallback
-    return guess if system.value(guess) < system.value(fallback) else fallback
-
-
 def _tangent(
-    here: System, first: Waypoint, second: Waypoint, ramp: float, load: float, x: Floats
+    here: System, first: Waypoint, second: Waypoint, ramp: float, load: float, found: Minimum
 ) -> Floats:
     """dx/ds at an equilibrium: the response to the change of the forces along the leg.
 
@@ -297,7 +296,7 @@ def _tangent(
     for a tenth of the price of a factorisation. Cubic prediction needs tangents this good.
     """
     further = here.at(ramp + (second.ramp - first.ramp), load + (second.load - first.load))
-    _, now = here.gradient(x)
+    x, now = found.x, found.gradient
     rate = further.gradient(x)[1] - now
     tangent = -here.solve(rate)
     for _ in range(2):
@@ -314,8 +313,8 @@ def _settle(here: System, found: Minimum, options: PathOptions) -> tuple[Minimum
     """Count the negative pivots at the state itself, leave a saddle, and use the factor that
     this takes for one last correction."""
     for _ in range(5):
-        pivots, (x, residual) = negative_pivots(here, found.x)
-        found = replace(found, x=x, residual=residual)
+        pivots, x, gradient = negative_pivots(here, found.x)
+        found = replace(found, x=x, gradient=gradient)
         if pivots == 0:
             break
         lower = minimise(here, escape_saddle(here, found.x), options.newton)

@@ -10,25 +10,22 @@ from sheetmorph.solve.system import System
 Floats = NDArray[np.float64]
 
 
-def negative_pivots(system: System, x: Floats) -> tuple[int, tuple[Floats, float]]:
+def negative_pivots(system: System, x: Floats) -> tuple[int, Floats, Floats]:
     """Count the negative eigenvalues of the Hessian at x, and correct x with its factor.
 
     Returns:
         The number of negative pivots on the free degrees of freedom (Sylvester's law; a
-        singular Hessian counts as one), and the better of x and x after one Newton step, with
-        its largest residual force [N].
+        singular Hessian counts as one); the better of x and x after one Newton step; and the
+        gradient there [N].
     """
     _, gradient, data = system.hessian(x)
-    residual = float(np.abs(gradient).max(initial=0.0))
     if not system.factorise(data):
-        pivots = system.factorise_indefinite(data)
-        return max(1, pivots or 0), (x, residual)
-    if residual == 0.0:
-        return 0, (x, residual)
+        return max(1, system.factorise_indefinite(data) or 0), x, gradient
     moved = x - system.solve(gradient)
     _, after = system.gradient(moved)
-    left = float(np.abs(after).max(initial=0.0))
-    return 0, ((moved, left) if left < residual else (x, residual))
+    if np.abs(after).max(initial=0.0) < np.abs(gradient).max(initial=0.0):
+        return 0, moved, after
+    return 0, x, gradient
 
 
 def escape_saddle(system: System, x: Floats, size: float = 1e-3) -> Floats:
