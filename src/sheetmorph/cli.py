@@ -135,7 +135,9 @@ def run(
     elif not quiet:
         _tell(result.summary, folder, notes)
     if result.status == "interrupted":
-        raise KeyboardInterrupt
+        raise click.exceptions.Abort(
+            f"interrupted after {len(result.positions) - 1} states; add --resume to go on"
+        )
     if result.status != "completed":
         raise SheetmorphError(
             f"{file}: the run ended as {result.status} ({result.summary['detail']}): "
@@ -157,14 +159,14 @@ def main(arguments: list[str] | None = None) -> int:
         code = cli.main(arguments, prog_name="sheetmorph", standalone_mode=False)
     except SheetmorphError as error:
         return _fail(str(error), error.exit_code)
-    except click.exceptions.Abort:
-        return _fail("interrupted", 130)
+    except click.exceptions.Abort as error:
+        return _fail(str(error) or "interrupted", 130)
     except click.ClickException as error:
         context = getattr(error, "ctx", None)
         help_of = context.command_path if context is not None else "sheetmorph"
         return _fail(f"{error.format_message()} (see {help_of} --help)", 2)
     except KeyboardInterrupt:
-        return _fail("interrupted", 130)
+        return _fail("interrupted; if states were reached, add --resume to go on", 130)
     except MemoryError:
         return _fail("out of memory; use a larger mesh.size", 1)
     except BrokenPipeError:

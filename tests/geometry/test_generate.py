@@ -256,3 +256,25 @@ def test_any_size_gives_good_angles(sheets, name, factor):
     quality = mesh_quality(generate_mesh(outline, pattern, factor * size))
     assert quality.min_angle > 28.0
     assert quality.mean_edge == pytest.approx(factor * size, rel=0.05)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", [24, 52, 129, 383])
+def test_overlapping_shapes_are_meshed_whatever_their_crossings(seed):
+    """Random discs, rings and bars: crossings at any angle, near misses, cusps at the rim."""
+    rng = np.random.default_rng(seed)
+    outline = affinity.rotate(shapely.box(-0.05, -0.03, 0.05, 0.03), rng.uniform(0, 90))
+    outline = outline.difference(shapely.Point(rng.uniform(-0.02, 0.02), 0).buffer(0.008))
+    parts = []
+    for _ in range(5):
+        x, y = rng.normal(size=2) * 0.02
+        disc = shapely.Point(x, y).buffer(rng.uniform(0.008, 0.02))
+        bar = shapely.box(-0.03, -0.003, 0.03, 0.003)
+        bar = affinity.translate(affinity.rotate(bar, rng.uniform(0, 180)), x, y)
+        parts += [disc.difference(disc.buffer(-0.004)), bar][: 1 + int(rng.integers(2))]
+    pattern = shapely.unary_union(parts).intersection(outline)
+    mesh = generate_mesh(outline, pattern, 2.5e-3)
+    inside = shapely.contains_xy(pattern, *mesh.triangle_centroids.T)
+    assert mesh.triangle_areas[inside].sum() == pytest.approx(pattern.area, rel=0.03)
+    assert mesh.mean_edge_length == pytest.approx(2.5e-3, rel=0.05)
+    assert np.median(np.degrees(mesh.minimum_angles)) > 45.0

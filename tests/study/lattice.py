@@ -25,7 +25,7 @@ from sheetmorph.solve.system import System
 
 
 def strip(columns: int, rows: int, l0: float) -> SheetMesh:
-    """Rows of equilateral triangles along x, centred on y = 0; even rows, so that it is symmetric."""
+    """Rows of equilateral triangles along x, centred on y = 0."""
     points, index = [], {}
     for j in range(rows + 1):
         for i in range(columns + 1 - j % 2):

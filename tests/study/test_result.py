@@ -38,11 +38,12 @@ def test_fields_have_their_shapes_and_sum_to_the_energies(small_result: sm.Resul
 
 def test_summary_has_what_it_promises(small_result: sm.Result) -> None:
     summary = small_result.summary
-    for key in (
-        "status stable negative_pivots residual_max_N newton_iterations factorisations seconds "
-        "solver nodes edges triangles height_m bbox_m aspect_ratio energy_J version design_hash"
-    ).split():
-        assert key in summary
+    wanted = {
+        *("status", "stable", "negative_pivots", "residual_max_N", "newton_iterations"),
+        *("factorisations", "seconds", "solver", "nodes", "edges", "triangles", "height_m"),
+        *("bbox_m", "aspect_ratio", "energy_J", "version", "design_hash"),
+    }
+    assert wanted <= set(summary)
     assert set(summary["seconds"]) >= {"assembly", "factorise", "solve", "total", "wall"}
     assert set(summary["energy_J"]) == {"stretch", "bend", "load", "total"}
     assert isinstance(summary["stable"], bool)

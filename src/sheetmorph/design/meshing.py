@@ -69,7 +69,7 @@ def farther_side(mesh: SheetMesh, pattern: BaseGeometry) -> NDArray[np.int8]:
         away = signed_distance(pattern, plane)
     difference = away[mesh.hinges[:, 2]] - away[mesh.hinges[:, 3]]
     difference[np.abs(difference) <= _TIE * mesh.size] = 0.0
-    return np.sign(difference).astype(np.int8)
+    return np.asarray(np.sign(difference), dtype=np.int8)
 
 
 def hinge_coupling(design: Design, mesh: SheetMesh) -> Floats:

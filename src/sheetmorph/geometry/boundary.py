@@ -21,7 +21,7 @@ CORNER = np.radians(25.0)  # a vertex that turns more than this is kept exactly
 CHORD = 0.1  # corners that stand out less than this are noise of the polyline
 SAGITTA = 0.05  # chords leave a curve by no more than this
 MERGE = 0.3  # corners and junctions closer than this become one node
-GAP = 1e-9  # grid on which outline and pattern are noded
+GRID = 1e-7  # outline and pattern are noded on this grid, so that shared edges coincide
 
 
 @dataclass(frozen=True, eq=False)
@@ -75,11 +75,11 @@ def trace(outline: Polygon, pattern: Geometry) -> Curves:
     import shapely
 
     rings = [outline.boundary] if pattern.is_empty else [outline.boundary, pattern.boundary]
-    noded = shapely.unary_union([ring.simplify(1e-6) for ring in rings], grid_size=GAP)
+    noded = shapely.unary_union([ring.simplify(1e-9) for ring in rings], grid_size=GRID)
     lines = [shapely.get_coordinates(line) for line in shapely.get_parts(shapely.line_merge(noded))]
     tips = np.array([end for line in lines if not _closed(line) for end in (line[0], line[-1])])
     pieces = [piece for line in lines for piece in _split(_rotated(line, tips))]
-    return _joined(pieces, outline)
+    return _joined(pieces, outline, pattern)
 
 
 def _closed(line: Floats) -> bool:
@@ -161,14 +161,14 @@ def _arc(line: Floats) -> Floats:
     return np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(line, axis=0), axis=1))])
 
 
-def _joined(pieces: list[Floats], outline: Polygon) -> Curves:
+def _joined(pieces: list[Floats], outline: Polygon, pattern: Geometry) -> Curves:
     """Number the ends of the pieces, merge those that are too close, and chain the curves."""
     tips = np.array([end for piece in pieces for end in (piece[0], piece[-1])])
-    places, ends = np.unique(np.round(tips, 7), axis=0, return_inverse=True)
+    places, ends = np.unique(tips, axis=0, return_inverse=True)
     ends = ends.reshape(-1, 2)
-    places[ends.ravel()] = tips
     lengths = np.array([_arc(piece)[-1] for piece in pieces])
     label = _clusters(places, ends, lengths)
+    places = _off_grid(places, outline, pattern)
     nodes = _representatives(places, label, outline)
     lines: list[Floats] = []
     kept: list[tuple[int, int]] = []
@@ -224,12 +224,26 @@ def _twins(lines: list[Floats], ends: list[tuple[int, int]], outline: Polygon) -
 
 def _reattached(line: Floats, node: Floats) -> Floats:
     """A polyline that starts at a node near its first vertex and joins its course one edge on."""
-    if np.abs(line[0] - node).max() <= 1e-9:
+    if np.abs(line[0] - node).max() <= 10 * GRID:
         return np.vstack([node, line[1:]])
     s = _arc(line)
     ahead = min(1.0, 0.5 * s[-1])
     joint = [np.interp(ahead, s, line[:, k]) for k in (0, 1)]
     return np.vstack([node, joint, line[s > ahead + 1e-9]])
+
+
+def _off_grid(places: Floats, outline: Polygon, pattern: Geometry) -> Floats:
+    """Ends of pieces where they were before noding moved them to the grid."""
+    import shapely
+
+    rim = shapely.points(places)
+    along = shapely.line_locate_point(outline.exterior, rim)
+    exact = shapely.get_coordinates(shapely.line_interpolate_point(outline.exterior, along))
+    near = np.linalg.norm(exact - places, axis=1) < 10 * GRID
+    places = np.where(near[:, None], exact, places)
+    vertices = shapely.get_coordinates([outline, pattern])
+    distance, nearest = cKDTree(vertices).query(places)
+    return np.asarray(np.where((distance < 10 * GRID)[:, None], vertices[nearest], places))
 
 
 def _clusters(places: Floats, ends: Indices, lengths: Floats) -> Indices:

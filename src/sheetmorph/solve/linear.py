@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 from importlib.util import find_spec
 from typing import Any, Protocol
 
@@ -74,8 +73,7 @@ class MklPardiso:
     """Unknowns below which a minimum-degree ordering leads to the faster factorisation."""
 
     def __init__(self, pattern: SymmetricPattern, threads: int = 1) -> None:
-        # Read by the library when it first starts; a later change has no effect.
-        os.environ.setdefault("MKL_NUM_THREADS", str(threads))
+        del threads  # the wheels of py-mkl-pardiso link the sequential library
         import pymklpardiso
 
         self._pattern = pattern

@@ -7,6 +7,7 @@ import shutil
 import zipfile
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -53,12 +54,10 @@ class Journal:
         Raises:
             OutputError: it cannot be written.
         """
-        scalars = {name: np.float64(getattr(state, name)) for name in _SCALARS}
-        with (
-            replacing(self.folder / f"state_{index:05d}.npz") as partial,
-            partial.open("wb") as stream,
-        ):
-            np.savez(stream, x=state.x, tangent=state.tangent, **scalars)
+        arrays: dict[str, Any] = {name: np.float64(getattr(state, name)) for name in _SCALARS}
+        arrays |= {"x": state.x, "tangent": state.tangent}
+        with replacing(self.folder / f"state_{index:05d}.npz") as partial:
+            np.savez(partial, **arrays)
 
     def read(self, design_hash: str, size: int) -> list[PathState]:
         """The states of the unfinished run, in order; at least the first.
