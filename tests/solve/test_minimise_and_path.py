@@ -15,10 +15,10 @@ NEWTON = NewtonOptions(residual_tolerance=1e-12)
 LEGS = (Waypoint(0.0, 1.0), Waypoint(1.0, 1.0), Waypoint(1.0, 0.0))
 
 
-def walk(toy: Toy, **options):  # type: ignore[no-untyped-def]
+def walk(toy: Toy, x: float = 0.0, **options):  # type: ignore[no-untyped-def]
     chosen = PathOptions(newton=NEWTON, **options)
     events: list[object] = []
-    start = start_of_path(np.zeros(2), LEGS, chosen)
+    start = start_of_path(np.array([x, 0.0]), LEGS, chosen)
     path = follow(system_of(toy), LEGS, [start], chosen, on_event=events.append)
     return path, events
 
@@ -65,7 +65,7 @@ def test_path_passes_a_buckling_point_and_unloads() -> None:
 
 
 def test_path_ends_where_the_equilibrium_ends() -> None:
-    path, events = walk(Fold(), min_step=1e-3)
+    path, events = walk(Fold(), 0.7, min_step=1e-3)
     assert path.status is Status.STEP_TOO_SMALL
     assert path.status.remedy
     assert path.states[-1].ramp == pytest.approx(0.5, abs=5e-3)

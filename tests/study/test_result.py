@@ -203,3 +203,13 @@ def test_failures_are_statuses_with_a_remedy(small_design: sm.Design) -> None:
     assert len(result.positions) == 4
     result = sm.simulate(small_design.with_values({"solver.time_limit": "1e-9 s"}))
     assert result.status == "time_limit"
+
+
+def test_a_sheet_that_folds_flat_says_where(small_design: sm.Design) -> None:
+    """A wide soft rim between stiff arms on a coarse mesh folds through 180°."""
+    values = {"actuation.eps_pre": -0.85, "pattern.0.arms": 5, "layers.1.young_modulus": "9 MPa"}
+    result = sm.simulate(small_design.with_values(values))
+    assert result.status == "step_too_small"
+    assert "mm" in result.summary["detail"]
+    assert "mesh.size" in result.summary["remedy"]
+    assert np.isfinite(result.positions).all()

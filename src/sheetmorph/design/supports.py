@@ -9,14 +9,18 @@ from numpy.typing import NDArray
 
 from sheetmorph.core.errors import InputError
 from sheetmorph.design.actuation import TOLERANCE, Regions
+from sheetmorph.design.laminate import film_stack
 from sheetmorph.design.sections import BoxSupport, NodeSupport
 from sheetmorph.geometry.mesh import Floats, SheetMesh
 
 if TYPE_CHECKING:
     from sheetmorph.design.spec import Design
 
-DEFAULT_TOTAL_FORCE = 1e-4
-"""Total force of a perturbation that names none [N]."""
+DEFAULT_LOAD = 0.1
+"""Total force of a perturbation that names none, in units of the film's D over half the size.
+
+It deflects a sheet of film by about half a percent of its size: enough to choose a branch.
+"""
 
 
 def held_nodes(design: Design, mesh: SheetMesh, region: Regions) -> NDArray[np.intp]:
@@ -74,7 +78,9 @@ def perturbation_forces(design: Design, mesh: SheetMesh) -> Floats:
     total = options.total_force
     if total is None:
         per_node = options.force_per_node
-        total = DEFAULT_TOTAL_FORCE if per_node is None else per_node * count
+        rigidity = film_stack(design).flexural_rigidity
+        default = DEFAULT_LOAD * rigidity / (0.5 * mesh.size)
+        total = default if per_node is None else per_node * count
     forces = np.zeros((count, 3))
     if options.shape == "bowl":
         shape = _bowl(mesh)

@@ -190,6 +190,8 @@ def _coupled_hinge(  # type: ignore[no-untyped-def]
         if order < 2:
             continue
         _outer(hess, k, kb, g)
+        if order == 3:
+            continue
         u = (ux, uy, uz)
         _angle_hessian(
             hess, k, -moment, inv_length, inv_h1, s1, u, (n1x, n1y, n1z), (m1x, m1y, m1z), 2

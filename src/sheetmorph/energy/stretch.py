@@ -104,6 +104,8 @@ def _edge_stretch(  # type: ignore[no-untyped-def]
         if order < 2:
             continue
         across = force * inverse
+        if order == 3 and across < 0.0:
+            across = 0.0  # an edge in compression; without it the block is K uuᵀ/l0²
         along = stiffness[i] / (l0 * l0) - across
         for r in range(3):
             for c in range(3):

@@ -56,7 +56,9 @@ class Term(Protocol):
             x: positions [m], shape (V, 3).
             start: first element.
             stop: one past the last element.
-            order: 0 writes energies only, 1 gradients too, 2 Hessians too.
+            order: 0 writes energies only, 1 gradients too, 2 Hessians too; 3 writes in place
+                of the Hessians a positive semidefinite part of them: what is left without the
+                terms that can destabilise (stress times second derivatives of the strains).
             energy: out, local energies [J], shape (≥ stop − start,).
             gradient: out, with respect to the nodes of the stencil [N], shape (≥ …, m, 3).
             hessian: out, blocks of the node pairs (p, q), p ≤ q, in the order (0, 0), (0, 1),

@@ -69,7 +69,8 @@ class Total:
 
         Args:
             x: positions [m], shape (3 V,) or (V, 3), C-contiguous.
-            order: 0 energy only, 1 with the gradient, 2 with the Hessian.
+            order: 0 energy only, 1 with the gradient, 2 with the Hessian, 3 with the positive
+                semidefinite part of the Hessian instead (see `Term.local`).
 
         Returns:
             Energy [J]; gradient [N], shape (3 V,); entries of the Hessian [N/m] in the order

@@ -1,4 +1,4 @@
-"""Newton's method with line search, shifts to positive definiteness, and re-used factors."""
+"""Newton's method with line search, convexified where needed, and re-used factors."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ class NewtonOptions:
         chord_ratio: a factor is used again while the residual falls below this ratio per step.
         max_chords: at most so many steps with a re-used factor in a row.
         max_halvings: of a step in the line search.
-        max_shifts: attempts to make the Hessian positive definite by a shift.
+        max_shifts: attempts to make even the convex part positive definite by a shift.
     """
 
     residual_tolerance: float
@@ -41,7 +41,7 @@ class NewtonOptions:
     chord_ratio: float = 0.2
     max_chords: int = 8
     max_halvings: int = 30
-    max_shifts: int = 30
+    max_shifts: int = 20
 
 
 @dataclass(frozen=True, eq=False)
@@ -89,8 +89,8 @@ class Point:
 def minimise(system: System, start: Floats, options: NewtonOptions) -> Minimum:
     """Find a local minimum of the energy from a starting point.
 
-    Newton steps with the exact Hessian; where it has negative pivots it is shifted by a
-    multiple of the identity until it has none, so that every step descends. Steps are halved
+    Newton steps with the exact Hessian; where it is not positive definite, its positive
+    semidefinite part is mixed in until it is, so that every step descends. Steps are halved
     until the energy decreases enough (Armijo). While the residual falls fast, the last factor
     is used again (chord steps), because a back-substitution costs a tenth of a factorisation.
     Reference: Nocedal and Wright, Numerical Optimization, chapters 3 and 11.
@@ -100,12 +100,12 @@ def minimise(system: System, start: Floats, options: NewtonOptions) -> Minimum:
     """
     energy, gradient, data = system.hessian(start)
     point = Point(start, energy, gradient)
-    shift, iterations = 0.0, 0
+    level, iterations = 0, 0
 
     def end(outcome: Outcome) -> Minimum:
         travelled = float(np.abs(point.x - start).max(initial=0.0))
         return Minimum(
-            outcome, point.x, point.energy, point.gradient, iterations, shift == 0.0, travelled
+            outcome, point.x, point.energy, point.gradient, iterations, level == 0, travelled
         )
 
     while True:
@@ -117,10 +117,10 @@ def minimise(system: System, start: Floats, options: NewtonOptions) -> Minimum:
             return end(Outcome.TOO_MANY_ITERATIONS)
         if iterations > 0:
             _, _, data = system.hessian(point.x)
-        found_shift = _factorise_positive(system, data, shift, options)
-        if found_shift is None:
+        taken = _factorise_positive(system, point.x, data, max(0, level - 1), options)
+        if taken is None:
             return end(Outcome.SINGULAR)
-        shift = found_shift
+        level = taken
         iterations += 1
         system.work.iterations += 1
         step = -system.solve(point.gradient)
@@ -130,27 +130,48 @@ def minimise(system: System, start: Floats, options: NewtonOptions) -> Minimum:
                 return end(Outcome.CONVERGED)
             return end(Outcome.LINE_SEARCH_FAILED)
         before, point = point, found
-        if shift == 0.0:
+        if level == 0:
             point = _chords(system, before, point, options)
-        else:
-            shift *= 0.1
+
+
+CONVEXITY = (0.0, 0.1, 0.3, 0.6, 1.0)
+"""Shares of the convex part that are mixed into an indefinite Hessian, in turn."""
 
 
 def _factorise_positive(
-    system: System, data: Floats, shift: float, options: NewtonOptions
-) -> float | None:
-    """Factorise with the first shift of a growing series that makes the matrix positive.
+    system: System, x: Floats, data: Floats, level: int, options: NewtonOptions
+) -> int | None:
+    """Factorise the mix of Hessian and convex part with the least convexity that is positive.
+
+    Mixing weakens exactly the terms that destabilise and leaves the rest, whatever their
+    scales; a multiple of the identity that outweighs compressed edges would freeze bending.
+
+    Args:
+        system: the problem.
+        x: where the Hessian was taken.
+        data: its entries.
+        level: index into CONVEXITY to begin with.
+        options: how many shifts to try at the end.
 
     Returns:
-        The shift; None when no shift helped.
+        The index that was taken; None when not even shifts of the convex part helped.
     """
-    scale = float(np.abs(data[system.held.diagonal]).mean())
-    if shift < 1e-7 * scale:
-        shift = 0.0
+    convex: Floats | None = None
+    for index in range(level, len(CONVEXITY)):
+        share = CONVEXITY[index]
+        mixed = data
+        if share > 0.0:
+            if convex is None:
+                _, _, convex = system.hessian(x, convex=True)
+            mixed = data + share * (convex - data)
+        if system.factorise(mixed):
+            return index
+    assert convex is not None or level == 0  # noqa: S101
+    shift = 1e-12 * float(np.abs(data[system.held.diagonal]).mean())
     for _ in range(options.max_shifts):
-        if system.factorise(data, shift):
-            return shift
-        shift = max(4.0 * shift, 1e-5 * scale)
+        if convex is not None and system.factorise(convex, shift):
+            return len(CONVEXITY) - 1
+        shift *= 10.0
     return None
 
 

@@ -29,7 +29,8 @@ class Energy(Protocol):
         ...
 
     def evaluate(self, x: Floats, order: int) -> tuple[float, Floats | None, Floats | None]:
-        """Energy, gradient from order 1, Hessian entries from order 2."""
+        """Energy, gradient from order 1, Hessian entries at order 2, those of a positive
+        semidefinite part of it at order 3."""
         ...
 
 
@@ -82,10 +83,13 @@ class System:
         self._account_evaluation(start)
         return energy, gradient
 
-    def hessian(self, x: Floats) -> tuple[float, Floats, Floats]:
-        """Energy, gradient and Hessian entries with the held rows reduced."""
+    def hessian(self, x: Floats, convex: bool = False) -> tuple[float, Floats, Floats]:
+        """Energy, gradient and Hessian entries with the held rows reduced.
+
+        With `convex`, the positive semidefinite part of the Hessian in its place.
+        """
         start = perf_counter()
-        energy, gradient, data = self.energy.evaluate(x, 2)
+        energy, gradient, data = self.energy.evaluate(x, 3 if convex else 2)
         assert gradient is not None and data is not None  # noqa: S101
         self.held.hold(gradient)
         self.held.reduce(data)

@@ -10,7 +10,7 @@ import numpy as np
 from sheetmorph import __version__
 from sheetmorph.core.events import Event, Listener, Notice, Progress, Started, StateReached, silent
 from sheetmorph.design.spec import Design
-from sheetmorph.geometry.surface import aspect_ratio
+from sheetmorph.geometry import surface
 from sheetmorph.solve.constraints import HeldDofs, align_to_reference
 from sheetmorph.solve.linear import make_solver
 from sheetmorph.solve.minimise import NewtonOptions
@@ -85,9 +85,11 @@ def simulate(
     )
     solved = perf_counter() - start - aside.seconds
     result = _result(problem, path, system, linear.name)
+    if path.status is Status.STEP_TOO_SMALL:
+        _explain(result)
     result.summary["seconds"] = _seconds(system.work, solved, perf_counter() - began)
     if path.status is not Status.COMPLETED:
-        on_event(Notice(f"{path.status}: {path.status.remedy}"))
+        on_event(Notice(f"{path.status}: {result.summary['remedy']}"))
     return result
 
 
@@ -159,7 +161,7 @@ def _result(problem: Problem, path: Path, system: System, solver: str) -> Result
         "triangles": triangles,
         "height_m": float(extent[2]),
         "bbox_m": [float(value) for value in extent],
-        "aspect_ratio": float(aspect_ratio(positions[-1])),
+        "aspect_ratio": float(surface.aspect_ratio(positions[-1])),
         "energy_J": {**energies, "total": sum(energies.values())},
         "version": __version__,
         "design_hash": problem.design.hash,
@@ -180,6 +182,32 @@ def _result(problem: Problem, path: Path, system: System, solver: str) -> Result
         held_nodes=problem.held_nodes,
         summary=summary,
     )
+
+
+FOLDED_FLAT = 3.0
+"""Size of a dihedral angle [rad] beyond which two triangles all but touch."""
+
+COLLAPSED = 0.1
+"""Fraction of its area below which a triangle counts as collapsed."""
+
+
+def _explain(result: Result) -> None:
+    """Say so when the path ended because the sheet left the reach of the model."""
+    state, mesh = result.positions[-1], result.mesh
+    angles = np.abs(result.dihedral[-1])
+    shares = surface.triangle_areas(state, mesh.triangles) / mesh.triangle_areas
+    advice = "try a finer mesh.size, a smaller actuation.eps_pre or a wider pattern"
+    if angles.max(initial=0.0) > FOLDED_FLAT:
+        x, y = 1e3 * mesh.edge_midpoints[mesh.hinge_edges[int(angles.argmax()), 0]]
+        result.summary["detail"] = f"the sheet has folded flat on itself at ({x:.1f}, {y:.1f}) mm"
+        result.summary["remedy"] = f"the model has no contact between parts of the sheet; {advice}"
+    elif shares.min() < COLLAPSED:
+        x, y = 1e3 * mesh.triangle_centroids[int(shares.argmin())]
+        result.summary["detail"] = (
+            f"a triangle at ({x:.1f}, {y:.1f}) mm has shrunk to {100 * shares.min():.0f} % of its "
+            "area"
+        )
+        result.summary["remedy"] = f"the eigenstrains around it are incompatible; {advice}"
 
 
 def _seconds(work: Work, solved: float, wall: float) -> dict[str, float]:
