@@ -143,6 +143,11 @@ def _swap(sections: dict[str, list[list[float]]]) -> None:
     row[1], row[2] = row[2], row[1]
 
 
+def _degenerate(sections: dict[str, list[list[float]]]) -> None:
+    row = sections["*FaceNodes"][7]
+    row[2] = row[1]
+
+
 def _repeat(sections: dict[str, list[list[float]]]) -> None:
     a, b = sections["*FaceNodes"][0][1:3]
     sections["*shellNodes"].append([9999, 0.0, 0.0, 0.0])
@@ -160,7 +165,7 @@ MESHES = {
     "NaN node": (_set("*shellNodes", 3, 1, "nan"), "finite"),
     "word for a number": (_set("*shellNodes", 3, 2, "left"), "line"),
     "flipped triangle": (_swap, "flipped"),
-    "degenerate triangle": (_set("*FaceNodes", 7, 2, 0), "triangle"),
+    "degenerate triangle": (_degenerate, "triangle 7"),
     "corner that is not there": (_set("*FaceNodes", 7, 2, 123456), "123456"),
     "out of the plane": (_set("*shellNodes", 4, 3, 5.0), "flat"),
     "edge listed twice": (lambda s: s["*Edges"].append([9999, *s["*Edges"][0][1:]]), "edge"),

@@ -205,11 +205,32 @@ def test_failures_are_statuses_with_a_remedy(small_design: sm.Design) -> None:
     assert result.status == "time_limit"
 
 
-def test_a_sheet_that_folds_flat_says_where(small_design: sm.Design) -> None:
-    """A wide soft rim between stiff arms on a coarse mesh folds through 180°."""
-    values = {"actuation.eps_pre": -0.85, "pattern.0.arms": 5, "layers.1.young_modulus": "9 MPa"}
-    result = sm.simulate(small_design.with_values(values))
+# A soft rim between stiff arms on a coarse mesh folds through 180°.
+FOLDS = {
+    "outline.radius": "62 mm",
+    "pattern.0.arms": 6,
+    "pattern.0.arm_length": "42 mm",
+    "pattern.0.half_width": "5.3 mm",
+    "layers.0.thickness": "0.18 mm",
+    "layers.0.young_modulus": "0.6 MPa",
+    "layers.1.thickness": "1.2 mm",
+    "layers.1.young_modulus": "26 MPa",
+    "mesh.size": "7.6 mm",
+    "actuation.eps_pre": -0.57,
+}
+# A jump of the eigenstrain at the rim of the pattern leaves triangles there no shape.
+COLLAPSES = {"actuation.profile": "step", "actuation.eps_pre": -0.8}
+
+
+@pytest.mark.parametrize(("values", "wanted"), [(FOLDS, "folded flat"), (COLLAPSES, "shrunk to")])
+def test_a_sheet_beyond_the_model_says_where(
+    small_design: sm.Design, values: dict[str, object], wanted: str
+) -> None:
+    quick = {"solver.min_step": 2e-3, "solver.max_iterations": 60}
+    result = sm.simulate(small_design.with_values({**values, **quick}))
     assert result.status == "step_too_small"
+    assert wanted in result.summary["detail"]
     assert "mm" in result.summary["detail"]
     assert "mesh.size" in result.summary["remedy"]
+    assert 0.3 < result.summary["actuation_reached"] < 1
     assert np.isfinite(result.positions).all()

@@ -184,7 +184,7 @@ def _result(problem: Problem, path: Path, system: System, solver: str) -> Result
     )
 
 
-FOLDED_FLAT = 3.0
+FOLDED_FLAT = 2.9
 """Size of a dihedral angle [rad] beyond which two triangles all but touch."""
 
 COLLAPSED = 0.1
