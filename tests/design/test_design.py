@@ -10,6 +10,7 @@ from dataclasses import FrozenInstanceError
 import numpy as np
 import pytest
 from pydantic import ValidationError
+from sheets import SHEET
 
 from sheetmorph.core.errors import InputError
 from sheetmorph.design.spec import Design
@@ -200,27 +201,10 @@ def test_hash_is_the_same_in_another_process(design):
 
 # mesh files
 
-TRIANGLES = """\
-*shellNodes
-0, -20, -10, 0
-1, 20, -10, 0
-2, 20, 10, 0
-3, -20, 10, 0
-*FaceNodes
-0, 0, 1, 2
-1, 0, 2, 3
-*Edges
-0, 0, 1
-1, 1, 2
-2, 2, 3
-3, 3, 0
-4, 2, 0
-"""
-
 
 @pytest.fixture
 def filed(base, tmp_path):
-    (tmp_path / "two.txt").write_text(TRIANGLES)
+    (tmp_path / "two.txt").write_text(SHEET)
     text = base.replace('size = "2 mm"', 'file = "two.txt"')
     (tmp_path / "strip.toml").write_text(text)
     return tmp_path / "strip.toml"
@@ -230,7 +214,7 @@ def test_mesh_file_beside_the_design(filed):
     design = Design.load(filed)
     assert design.resolve_mesh_path() == (filed.parent / "two.txt").resolve()
     before = design.hash
-    (filed.parent / "two.txt").write_text(TRIANGLES.replace("4, 2, 0", "4, 0, 2"))
+    (filed.parent / "two.txt").write_text(SHEET.replace("4, 2, 0", "4, 0, 2"))
     assert Design.load(filed).hash != before
 
 
@@ -262,7 +246,7 @@ def test_paths_that_lead_out_are_refused(filed, monkeypatch, key, name):
 
 def test_links_that_lead_out_are_refused(filed, tmp_path_factory):
     outside = tmp_path_factory.mktemp("outside") / "mesh.txt"
-    outside.write_text(TRIANGLES)
+    outside.write_text(SHEET)
     (filed.parent / "two.txt").unlink()
     try:
         (filed.parent / "two.txt").symlink_to(outside)
@@ -300,11 +284,11 @@ def test_reference_folder_by_variable_then_by_place(filed, tmp_path, monkeypatch
     monkeypatch.chdir(project / "run")
     folder = tmp_path / "shared" / "reference"
     folder.mkdir(parents=True)
-    (folder / "two.txt").write_text(TRIANGLES)
+    (folder / "two.txt").write_text(SHEET)
     assert design.resolve_mesh_path() == (folder / "two.txt").resolve()
     beside = project / "shared" / "reference"
     beside.mkdir(parents=True)
-    (beside / "two.txt").write_text(TRIANGLES)
+    (beside / "two.txt").write_text(SHEET)
     assert design.resolve_mesh_path() == (beside / "two.txt").resolve()
 
 

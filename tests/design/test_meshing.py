@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from sheets import SHEET
 
 from sheetmorph.core.errors import InputError
 from sheetmorph.design.meshing import farther_side, hinge_coupling, hinge_orientation
@@ -74,24 +75,6 @@ def test_a_mesh_made_here_is_oriented(design):
     mesh = design.build_mesh()
     assert (farther_side(mesh, design.pattern_polygon()) >= 0).all()
     assert mesh.triangle_areas.sum() == pytest.approx(0.04 * 0.02, rel=1e-6)
-
-
-SHEET = """\
-*shellNodes
-0, -20, -10, 0
-1, 20, -10, 0
-2, 20, 10, 0
-3, -20, 10, 0
-*FaceNodes
-0, 0, 1, 2
-1, 0, 2, 3
-*Edges
-0, 0, 1
-1, 1, 2
-2, 2, 3
-3, 3, 0
-4, 2, 0
-"""
 
 
 @pytest.mark.parametrize(

@@ -24,7 +24,7 @@ def test_fields_have_their_shapes_and_sum_to_the_energies(small_result: sm.Resul
     assert r.height.shape == r.mean_curvature.shape == r.gaussian_curvature.shape == (s, v)
     assert r.aspect_ratio.shape == r.actuation.shape == (s,)
     np.testing.assert_allclose(r.positions[0], r.mesh.nodes, atol=1e-16)
-    areas = r._edge_areas
+    areas = r.mesh.edge_areas
     assert areas.sum() == pytest.approx(r.mesh.triangle_areas.sum(), rel=1e-12)
     energies = r.summary["energy_J"]
     assert r.stretch_energy_density[-1] @ areas == pytest.approx(energies["stretch"], rel=1e-9)

@@ -47,6 +47,24 @@ class SheetMesh:
         return np.asarray(np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1))
 
     @cached_property
+    def triangle_edges(self) -> Ints:
+        """Indices into `edges` of the sides 01, 12, 20 of each triangle, shape (T, 3)."""
+        count = len(self.nodes)
+        low, high = np.sort(self.edges, axis=1).astype(np.int64).T
+        keys = low * count + high
+        order = np.argsort(keys)
+        sides = np.sort(self.triangles[:, [[0, 1], [1, 2], [2, 0]]], axis=2).astype(np.int64)
+        wanted = sides[:, :, 0] * count + sides[:, :, 1]
+        return order[np.searchsorted(keys[order], wanted)].astype(np.int32)
+
+    @cached_property
+    def edge_areas(self) -> Floats:
+        """A third of the area of the triangles beside each edge [m²], shape (E,)."""
+        thirds = np.repeat(self.triangle_areas / 3.0, 3)
+        sums = np.bincount(self.triangle_edges.ravel(), weights=thirds, minlength=len(self.edges))
+        return np.asarray(sums, dtype=np.float64)
+
+    @cached_property
     def edge_midpoints(self) -> Floats:
         """Reference midpoints of the edges in the plane [m], shape (E, 2)."""
         return np.asarray(self.nodes[self.edges, :2].mean(axis=1))

@@ -12,15 +12,8 @@ MIN_STRAIN_RANGE = 1e-3
 
 
 def edges_to_triangles(mesh: SheetMesh, values: Floats) -> Floats:
-    """Mean over the three edges of each triangle; (E,) becomes (T,)."""
-    count = len(mesh.nodes)
-    order = np.argsort(_keys(mesh.edges, count))
-    sorted_keys = _keys(mesh.edges, count)[order]
-    total = np.zeros(len(mesh.triangles))
-    for pair in ((0, 1), (1, 2), (2, 0)):
-        keys = _keys(mesh.triangles[:, list(pair)], count)
-        total += values[order[np.searchsorted(sorted_keys, keys)]]
-    return total / 3.0
+    """Mean over the three edges of each triangle; (..., E) becomes (..., T)."""
+    return np.asarray(values[..., mesh.triangle_edges].mean(axis=-1))
 
 
 def edges_to_nodes(mesh: SheetMesh, values: Floats) -> Floats:
@@ -109,8 +102,3 @@ def _mean_at_nodes(groups: NDArray[np.int32], values: Floats, count: int) -> Flo
     weights = np.repeat(values, groups.shape[1])
     total = np.bincount(flat, weights=weights, minlength=count)
     return np.asarray(total / np.maximum(np.bincount(flat, minlength=count), 1))
-
-
-def _keys(pairs: NDArray[np.int32], count: int) -> NDArray[np.int64]:
-    ends = np.sort(pairs.astype(np.int64), axis=1)
-    return np.asarray(ends[:, 0] * count + ends[:, 1])

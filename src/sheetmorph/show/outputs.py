@@ -111,10 +111,8 @@ def write_series(result: Result, folder: str | Path) -> Path:
             ],
         },
         cell_fields={
-            "strain": [fields.edges_to_triangles(mesh, values) for values in result.strain],
-            "thermal_strain": [
-                fields.edges_to_triangles(mesh, values) for values in result.thermal_strain
-            ],
+            "strain": fields.edges_to_triangles(mesh, result.strain),
+            "thermal_strain": fields.edges_to_triangles(mesh, result.thermal_strain),
             "in_pattern": [result.triangle_in_pattern.astype(float)] * len(result.ramp),
         },
     )

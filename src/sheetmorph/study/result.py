@@ -150,7 +150,7 @@ class Result:
         The area of an edge is a third of that of the triangles beside it.
         """
         mismatch = self.strain - self.thermal_strain
-        return np.asarray(0.5 * self.stretch_stiffness * mismatch**2 / self._edge_areas)
+        return np.asarray(0.5 * self.stretch_stiffness * mismatch**2 / self.mesh.edge_areas)
 
     @cached_property
     def bend_energy_density(self) -> Floats:
@@ -161,7 +161,7 @@ class Result:
         mismatch = self.strain - self.thermal_strain
         ac, ad, bc, bd = (mismatch[:, self.mesh.hinge_edges[:, k]] for k in range(1, 5))
         angle = self.dihedral - self.coupling * (ac - ad + bc - bd)
-        areas = self._edge_areas[self.mesh.hinge_edges[:, 0]]
+        areas = self.mesh.edge_areas[self.mesh.hinge_edges[:, 0]]
         return np.asarray(0.5 * self.bending_stiffness * angle**2 / areas)
 
     @cached_property
@@ -178,17 +178,3 @@ class Result:
     def aspect_ratio(self) -> Floats:
         """h/d of every state, shape (S,): height over the largest in-plane width."""
         return np.asarray(surface.aspect_ratio(self.positions))
-
-    @cached_property
-    def _edge_areas(self) -> Floats:
-        mesh = self.mesh
-        count = len(mesh.nodes)
-        pairs = np.sort(
-            np.concatenate([mesh.triangles[:, list(k)] for k in ((0, 1), (1, 2), (2, 0))]), axis=1
-        ).astype(np.int64)
-        ends = np.sort(mesh.edges, axis=1).astype(np.int64)
-        keys = ends[:, 0] * count + ends[:, 1]
-        order = np.argsort(keys)
-        place = order[np.searchsorted(keys[order], pairs[:, 0] * count + pairs[:, 1])]
-        thirds = np.tile(mesh.triangle_areas / 3.0, 3)
-        return np.asarray(np.bincount(place, weights=thirds, minlength=len(keys)))
