@@ -4,8 +4,8 @@
     python make.py test     make the environment with the test tools and pass all tests
     python make.py fast     the same without the slow proofs
 
-The environment is the folder .venv beside this file. It is made anew when pyproject.toml has
-changed, and re-used otherwise.
+The environment is the folder .venv beside this file. It is brought up to date when
+pyproject.toml has changed; delete it to make it anew.
 """
 
 from __future__ import annotations

@@ -91,9 +91,12 @@ def test_a_computation_that_fails_ends_with_1(
     line = capsys.readouterr().err
     assert line.count("\n") == 1
     assert "too_many_steps" in line and "solver.max_steps" in line
-    # The last good state is kept, and the run can go on.
+    # The last good state is kept, and with the limit raised the run goes on.
     partial = sm.Result.load(out)
     assert 0 < partial.summary["actuation_reached"] < 1
+    assert main(["run", str(design), "-o", str(out), "-q", "--resume"]) == 0
+    whole = sm.simulate(sm.Design.load(design))
+    np.testing.assert_array_equal(sm.Result.load(out).positions, whole.positions)
 
 
 def test_check(design: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -113,6 +116,13 @@ def test_help_has_an_example(command: list[str], capsys: pytest.CaptureFixture[s
     text = capsys.readouterr().out
     assert "sheetmorph" in text
     assert "Example" in text or "Start here" in text
+
+
+def test_the_presets_are_those_of_the_design_package() -> None:
+    from sheetmorph import cli
+    from sheetmorph.design.presets import PRESETS
+
+    assert cli.PRESETS == PRESETS
 
 
 def test_help_imports_nothing_heavy() -> None:

@@ -19,7 +19,7 @@ MAY_IMPORT: dict[str, set[str]] = {
     "show": {"core", "geometry", "design", "study"},
     "cli.py": {"core", "geometry", "design", "energy", "solve", "study", "show"},
 }
-PLOTTING = {"matplotlib", "pyvista", "vtkmodules", "vtk", "PIL", "jinja2", "rich", "click"}
+PLOTTING = {"matplotlib", "vtkmodules", "vtk", "PIL", "jinja2", "rich", "click"}
 MAY_PLOT = {"show", "cli.py"}
 EVERYWHERE = {"sheetmorph"}  # the package itself: its version
 

@@ -222,7 +222,9 @@ FOLDS = {
 COLLAPSES = {"actuation.profile": "step", "actuation.eps_pre": -0.8}
 
 
-@pytest.mark.parametrize(("values", "wanted"), [(FOLDS, "folded flat"), (COLLAPSES, "shrunk to")])
+@pytest.mark.parametrize(
+    ("values", "wanted"), [(FOLDS, "folded flat"), (COLLAPSES, "collapsed to")]
+)
 def test_a_sheet_beyond_the_model_says_where(
     small_design: sm.Design, values: dict[str, object], wanted: str
 ) -> None:

@@ -1,6 +1,6 @@
 """Stiffness and mass of a stack of layers, and of the edges and hinges of a mesh.
 
-Formulas: `docs` and Zhang, Alon, Jawed, *Emergent morphogenesis via planar fabrication
+Formulas: `docs/model.md` and Zhang, Alon, Jawed, *Emergent morphogenesis via planar fabrication
 enabled by a reduced model of composites*, Eqs. for k_s, k_b and D_eff.
 """
 

@@ -199,7 +199,7 @@ class SolverOptions(Section):
         max_iterations: iterations allowed per step.
         max_steps: steps allowed in all.
         time_limit: [s]; none by default.
-        threads: of the linear solver; 0 for its default.
+        threads: of the linear solver, where it has any (rslab); 0 is one.
     """
 
     initial_step: Fraction = 0.1

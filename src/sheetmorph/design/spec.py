@@ -23,7 +23,12 @@ if TYPE_CHECKING:
     from sheetmorph.design import sections, shapes
     from sheetmorph.geometry.mesh import SheetMesh
 
-_NOT_HASHED = frozenset({"name", "outputs"})
+_NOT_HASHED: dict[str, Any] = {
+    "name": True,
+    "outputs": True,
+    # Limits: a run that met one goes on when it is raised.
+    "solver": {"max_steps": True, "time_limit": True},
+}
 
 
 @dataclass(frozen=True, eq=False)
@@ -245,13 +250,13 @@ class Design:
     def hash(self) -> str:
         """SHA-256 of the content: SI values and the bytes of the files it names.
 
-        The name, the outputs, comments, and the units in which a value is written do not
-        change it.
+        The name, the outputs, the limits of time and steps, comments, and the units in which
+        a value is written do not change it.
 
         Raises:
             InputError: a file that the design names is not there.
         """
-        content: dict[str, Any] = self.spec.model_dump(mode="json", exclude=set(_NOT_HASHED))
+        content: dict[str, Any] = self.spec.model_dump(mode="json", exclude=_NOT_HASHED)
         mesh = self.resolve_mesh_path()
         content["mesh"] = {"size": self.spec.mesh.size, "unit": self.spec.mesh.unit}
         if mesh is not None:

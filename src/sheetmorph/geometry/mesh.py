@@ -93,14 +93,9 @@ class SheetMesh:
     @cached_property
     def minimum_angles(self) -> Floats:
         """Smallest angle of each triangle [rad], shape (T,)."""
-        corners = self.nodes[self.triangles, :2]
-        angles = np.empty((len(corners), 3))
-        for k in range(3):
-            u = corners[:, (k + 1) % 3] - corners[:, k]
-            v = corners[:, (k + 2) % 3] - corners[:, k]
-            cross = u[:, 0] * v[:, 1] - u[:, 1] * v[:, 0]
-            angles[:, k] = np.arctan2(np.abs(cross), (u * v).sum(axis=1))
-        return np.asarray(angles.min(axis=1))
+        from sheetmorph.geometry.surface import smallest_angles
+
+        return smallest_angles(self.nodes, self.triangles)
 
     @property
     def mean_edge_length(self) -> float:

@@ -70,6 +70,17 @@ def triangle_areas(positions: ArrayLike, triangles: Indices) -> Floats:
     return np.asarray(_norm(_area_vectors(positions, triangles)))
 
 
+def smallest_angles(positions: ArrayLike, triangles: Indices) -> Floats:
+    """Smallest angle of each triangle [rad], shape (T,), of one state of shape (V, 3)."""
+    corners = np.asarray(positions, dtype=np.float64)[triangles]
+    angles = []
+    for k in range(3):
+        u = corners[:, (k + 1) % 3] - corners[:, k]
+        v = corners[:, (k + 2) % 3] - corners[:, k]
+        angles.append(np.arctan2(_norm(np.cross(u, v)), _dot(u, v)))
+    return np.asarray(np.min(angles, axis=0))
+
+
 def vertex_normals(positions: ArrayLike, triangles: Indices) -> Floats:
     """Unit normals at the nodes, the area-weighted mean of the triangles around, (..., V, 3)."""
     x = np.asarray(positions, dtype=np.float64)

@@ -55,7 +55,7 @@ def rigid_motion_pins(nodes: Floats) -> NDArray[np.bool_]:
 
     Node A near the middle keeps x, y, z; node B, far from A along x, keeps y and z; node C,
     far from A along y, keeps z. Every shape can be turned into this position, so the pins
-    carry no force.
+    carry no force, except for the net moment that a dead load has on the deformed sheet.
 
     Args:
         nodes: flat reference positions [m], shape (V, 3).

@@ -166,7 +166,7 @@ class Result:
 
     @cached_property
     def mean_curvature(self) -> Floats:
-        """Mean curvature at the nodes [1/m], shape (S, V); zero on the rim."""
+        """Mean curvature at the nodes [1/m], shape (S, V); positive on a dome seen from +z."""
         return surface.mean_curvature(self.positions, self.mesh.triangles)
 
     @cached_property

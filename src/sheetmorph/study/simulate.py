@@ -187,27 +187,29 @@ def _result(problem: Problem, path: Path, system: System, solver: str) -> Result
 FOLDED_FLAT = 2.9
 """Size of a dihedral angle [rad] beyond which two triangles all but touch."""
 
-COLLAPSED = 0.1
-"""Fraction of its area below which a triangle counts as collapsed."""
+COLLAPSED = np.deg2rad(8.0)
+"""Smallest angle of a deformed triangle below which it counts as collapsed."""
 
 
 def _explain(result: Result) -> None:
     """Say so when the path ended because the sheet left the reach of the model."""
     state, mesh = result.positions[-1], result.mesh
     angles = np.abs(result.dihedral[-1])
-    shares = surface.triangle_areas(state, mesh.triangles) / mesh.triangle_areas
-    advice = "try a finer mesh.size, a smaller actuation.eps_pre or a wider pattern"
+    corners = surface.smallest_angles(state, mesh.triangles)
+    advice = "try a smaller actuation.eps_pre, another mesh.size or a wider pattern"
     if angles.max(initial=0.0) > FOLDED_FLAT:
         x, y = 1e3 * mesh.edge_midpoints[mesh.hinge_edges[int(angles.argmax()), 0]]
         result.summary["detail"] = f"the sheet has folded flat on itself at ({x:.1f}, {y:.1f}) mm"
         result.summary["remedy"] = f"the model has no contact between parts of the sheet; {advice}"
-    elif shares.min() < COLLAPSED:
-        x, y = 1e3 * mesh.triangle_centroids[int(shares.argmin())]
+    elif corners.min() < COLLAPSED:
+        x, y = 1e3 * mesh.triangle_centroids[int(corners.argmin())]
         result.summary["detail"] = (
-            f"a triangle at ({x:.1f}, {y:.1f}) mm has shrunk to {100 * shares.min():.0f} % of its "
-            "area"
+            f"a triangle at ({x:.1f}, {y:.1f}) mm has collapsed to a smallest angle of "
+            f"{np.rad2deg(corners.min()):.0f}°"
         )
-        result.summary["remedy"] = f"the eigenstrains around it are incompatible; {advice}"
+        result.summary["remedy"] = (
+            f"the eigenstrains of its edges fit no triangle; {advice}, or a smoother profile"
+        )
 
 
 def _seconds(work: Work, solved: float, wall: float) -> dict[str, float]:
