@@ -206,7 +206,7 @@ class SolverOptions(Section):
     max_step: Fraction = 0.1
     min_step: Fraction = 1e-4
     tolerance: Annotated[Number, Field(ge=1e-14, le=1e-2)] = 1e-8
-    max_iterations: Annotated[Whole, Field(ge=1, le=10_000)] = 200
+    max_iterations: Annotated[Whole, Field(ge=1, le=10_000)] = 100
     max_steps: Annotated[Whole, Field(ge=1, le=100_000)] = 1000
     time_limit: Annotated[float, Quantity("time", "0 s", "720 h", above=True)] | None = None
     linear_solver: Literal["auto", "mkl", "rslab", "scipy"] = "auto"
