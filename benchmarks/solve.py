@@ -13,8 +13,8 @@ from __future__ import annotations
 import argparse
 import os
 import platform
-import resource
 import statistics
+import sys
 from pathlib import Path
 
 for variable in ("OMP_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS"):
@@ -90,7 +90,7 @@ def growth(largest: int) -> None:
         design = base.with_values({"mesh.size": f"{size} mm"})
         summary = sm.simulate(design).summary
         seconds = summary["seconds"]
-        peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 2**20
+        peak = peak_memory()
         print(
             f"{summary['nodes']:7} {seconds['wall'] - seconds['total']:7.2f} "
             f"{seconds['total']:9.2f} {seconds['assembly']:9.2f} {seconds['factorise']:10.2f} "
@@ -98,6 +98,16 @@ def growth(largest: int) -> None:
             f"{summary['status']}, {'stable' if summary['stable'] else 'unstable'}",
             flush=True,
         )
+
+
+def peak_memory() -> float:
+    """Largest resident memory of this process so far [GiB]; not a number on Windows."""
+    try:
+        import resource
+    except ImportError:
+        return float("nan")
+    unit = 2**30 if sys.platform == "darwin" else 2**20
+    return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / unit
 
 
 def median_of(summaries: list[dict]) -> dict:

@@ -206,7 +206,8 @@ def _naming(file: Path) -> Iterator[None]:
     try:
         yield
     except InputError as error:
-        raise (error.located(file) if error.key else error) from None
+        names_key = error.key is not None and not error.key.startswith("SHEETMORPH_")
+        raise (error.located(file) if names_key else error) from None
 
 
 class _Progress:

@@ -82,6 +82,21 @@ def test_overrides(design: Path, tmp_path: Path) -> None:
     assert sm.Result.load(out).design.eps_pre == -0.4
 
 
+def test_a_new_run_leaves_nothing_of_the_old_one(design: Path, tmp_path: Path) -> None:
+    out = tmp_path / "out"
+    assert main(["run", str(design), "-o", str(out), "-q", "--set", "outputs.series=true"]) == 0
+    (out / "notes.txt").write_text("of the user")
+    assert (out / "series").is_dir()
+    assert main(["run", str(design), "-o", str(out), "-q", "--force"]) == 0
+    assert {p.name for p in out.iterdir()} == {
+        *("result.h5", "summary.json", "shape.stl", "notes.txt"),
+    }
+    # A design that cannot be run destroys nothing.
+    broken = ["--set", "supports=[{kind='nodes', nodes=[999999, 1, 2]}]", "--force"]
+    assert main(["run", str(design), "-o", str(out), "-q", *broken]) == 2
+    assert sm.Result.load(out).status == "completed"
+
+
 def test_a_computation_that_fails_ends_with_1(
     design: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -204,7 +204,7 @@ class SolverOptions(Section):
 
     initial_step: Fraction = 0.1
     max_step: Fraction = 0.1
-    min_step: Fraction = 1e-4
+    min_step: Fraction = 1e-3
     tolerance: Annotated[Number, Field(ge=1e-14, le=1e-2)] = 1e-8
     max_iterations: Annotated[Whole, Field(ge=1, le=10_000)] = 100
     max_steps: Annotated[Whole, Field(ge=1, le=100_000)] = 1000

@@ -6,8 +6,8 @@ import math
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numba import njit
 
+from sheetmorph.core.compiled import kernel
 from sheetmorph.geometry.mesh import Floats, Ints, SheetMesh
 
 
@@ -85,7 +85,7 @@ class CoupledHinge:
         )
 
 
-@njit(cache=True, error_model="numpy", nogil=True)
+@kernel
 def _coupled_hinge(  # type: ignore[no-untyped-def]
     x,
     stencil,
@@ -205,7 +205,7 @@ def _coupled_hinge(  # type: ignore[no-untyped-def]
         _strain_hessian(hess, k, moment * f_bd, l_bd, bdx, bdy, bdz, 4, 6, 9)
 
 
-@njit(cache=True, inline="always")
+@kernel
 def _outer(hess, k, kb, g):  # type: ignore[no-untyped-def]
     pair = 0
     for p in range(4):
@@ -217,7 +217,7 @@ def _outer(hess, k, kb, g):  # type: ignore[no-untyped-def]
             pair += 1
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def _angle_hessian(hess, k, moment, inv_length, inv_h, s, u, n, m, node):  # type: ignore[no-untyped-def]
     """Add moment · ∇²θ of one side (σ = +1) to the blocks aa, ab, bb, a·, b·, ··."""
     o = 1.0 - s
@@ -239,7 +239,7 @@ def _angle_hessian(hess, k, moment, inv_length, inv_h, s, u, n, m, node):  # typ
             hess[k, own, r, c] -= bend
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def _strain_hessian(hess, k, factor, length, vx, vy, vz, first, cross, last):  # type: ignore[no-untyped-def]
     """Add factor · (I − vvᵀ/l²) to two diagonal blocks and take it from their cross block."""
     w = factor / (length * length)

@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numba import njit
 
+from sheetmorph.core.compiled import kernel
 from sheetmorph.geometry.mesh import Floats, Ints, SheetMesh
 
 
@@ -58,7 +58,7 @@ class NodalLoad:
         )
 
 
-@njit(cache=True, error_model="numpy", nogil=True)
+@kernel
 def _nodal_load(x, stencil, force, rest, factor, start, stop, energy, gradient):  # type: ignore[no-untyped-def]
     for i in range(start, stop):
         k = i - start

@@ -6,8 +6,8 @@ import math
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numba import njit
 
+from sheetmorph.core.compiled import kernel
 from sheetmorph.geometry.mesh import Floats, Ints, SheetMesh
 
 
@@ -78,7 +78,7 @@ class EdgeStretch:
         )
 
 
-@njit(cache=True, error_model="numpy", nogil=True)
+@kernel
 def _edge_stretch(  # type: ignore[no-untyped-def]
     x, stencil, rest_length, stiffness, eigenstrain, ramp, start, stop, order, energy, grad, hess
 ):

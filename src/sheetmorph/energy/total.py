@@ -6,9 +6,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
+from sheetmorph.core.compiled import kernel
 from sheetmorph.core.sparse import SymmetricPattern
 from sheetmorph.energy.term import Term
 from sheetmorph.geometry.mesh import Floats
@@ -53,7 +53,7 @@ class Total:
     def of(cls, terms: Sequence[Term], node_count: int) -> Total:
         """Build the pattern of the Hessian and the scratch arrays for these terms."""
         structure = _structure([np.asarray(t.stencil) for t in terms], node_count)
-        return cls(tuple(terms), structure, Workspace.of(terms, structure, node_count))
+        return cls(tuple(terms), structure, Workspace.of(terms, structure))
 
     def at(self, ramp: float, load: float) -> Total:
         """The same energy at a fraction of the actuation and of the perturbation load."""
@@ -95,20 +95,6 @@ class Total:
             for term, slots in zip(self.terms, self.structure.slots, strict=True)
         }
 
-    def force_scale(self, x: Floats) -> float:
-        """Largest sum of the sizes of the local forces that meet at a node [N].
-
-        The measure against which a residual force is small.
-        """
-        nodes, work = x.reshape(-1, 3), self.workspace
-        sums = np.zeros(len(nodes))
-        for term in self.terms:
-            for start, stop in _chunks(len(term.stencil)):
-                term.local(nodes, start, stop, 1, work.energy, work.local(term)[0], work.no_hessian)
-                sizes = np.linalg.norm(work.local(term)[0][: stop - start], axis=2)
-                np.add.at(sums, term.stencil[start:stop], sizes)
-        return float(sums.max(initial=0.0))
-
 
 @dataclass(frozen=True, eq=False)
 class Workspace:
@@ -122,9 +108,8 @@ class Workspace:
     no_hessian: Floats
 
     @classmethod
-    def of(cls, terms: Sequence[Term], structure: Structure, node_count: int) -> Workspace:
+    def of(cls, terms: Sequence[Term], structure: Structure) -> Workspace:
         """Allocate for the stencil widths that occur."""
-        del node_count
         widths = {t.stencil.shape[1] for t in terms}
         return cls(
             blocks=np.zeros((structure.blocks, 3, 3)),
@@ -173,7 +158,7 @@ def _sum_term(
     return energy
 
 
-@njit(cache=True, error_model="numpy", nogil=True)
+@kernel
 def _scatter(stencil, slots, start, stop, order, energy, grad, hess, gradient, blocks):  # type: ignore[no-untyped-def]
     total = 0.0
     width = stencil.shape[1]

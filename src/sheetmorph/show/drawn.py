@@ -10,9 +10,9 @@ import math
 from typing import Any
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
+from sheetmorph.core.compiled import kernel
 from sheetmorph.geometry.mesh import Floats
 from sheetmorph.show.scene import KEY_LIGHT, SHININESS, Image, Job, View, node_normals
 
@@ -149,5 +149,5 @@ def _shrink_python(image: NDArray[np.float32], picture: Image, factor: int) -> N
                 picture[row, column, k] = int(total / (factor * factor))
 
 
-_shrink: Any = njit(cache=True)(_shrink_python)
-_rasterise: Any = njit(cache=True)(_rasterise_python)
+_shrink: Any = kernel(_shrink_python)
+_rasterise: Any = kernel(_rasterise_python)

@@ -108,7 +108,7 @@ def facts_of(result: Result) -> list[Row]:
     """The few numbers that are shown large."""
     span = 1e3 * np.ptp(result.positions[-1], axis=0)
     ratio = float(result.aspect_ratio[-1])
-    seconds = _at(result.summary, "seconds.wall")
+    seconds = _at(result.summary, "seconds.total")
     facts = [
         Row("actuation εₚᵣₑ", signed(float(result.actuation[-1]))),
         Row("height", f"{span[2]:.1f} mm"),
@@ -116,7 +116,7 @@ def facts_of(result: Result) -> list[Row]:
         Row("height over width, h/d", f"{ratio:.3f}" if np.isfinite(ratio) else "–"),
     ]
     if seconds is not None:
-        facts.append(Row("computed in", f"{float(seconds):.1f} s"))
+        facts.append(Row("solved in", f"{float(seconds):.1f} s"))
     return facts
 
 

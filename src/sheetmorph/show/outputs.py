@@ -16,6 +16,12 @@ from sheetmorph.study.journal import Journal
 from sheetmorph.study.result import Result
 from sheetmorph.study.simulate import simulate
 
+OUTPUTS = (
+    *("result.h5", "summary.json", "shape.stl", "series", "pictures", "animation.gif"),
+    "report.html",
+)
+"""What a run writes into its folder, and what the next one there replaces."""
+
 RESUMABLE = ("interrupted", "time_limit", "too_many_steps")
 """Statuses after which the states are kept for `--resume`."""
 
@@ -49,7 +55,7 @@ def run_design(
     """
     began = perf_counter() if started is None else started
     place = Path(folder)
-    journal = Journal.of_run(place)
+    journal = Journal.of_run(place, OUTPUTS)
     _guard(place, journal, resume, force)
     wanted = design.outputs
     draws = wanted.pictures or wanted.animation

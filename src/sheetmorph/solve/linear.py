@@ -6,9 +6,9 @@ from importlib.util import find_spec
 from typing import Any, Protocol
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
+from sheetmorph.core.compiled import kernel
 from sheetmorph.core.errors import ComputationError, InputError
 from sheetmorph.core.sparse import SymmetricPattern
 
@@ -287,7 +287,7 @@ def available() -> list[str]:
     return [name for name, (module, _) in SOLVERS.items() if find_spec(module) is not None]
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def symmetric_product(indptr, indices, data, x):  # type: ignore[no-untyped-def]
     """A x for a symmetric matrix given by its upper triangle in rows, diagonal first."""
     y = np.zeros_like(x)

@@ -4,10 +4,12 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from enum import StrEnum
+from time import perf_counter
 
 import numpy as np
 from numpy.typing import NDArray
 
+from sheetmorph.solve.linear import SingularMatrixError
 from sheetmorph.solve.system import System
 
 Floats = NDArray[np.float64]
@@ -21,6 +23,7 @@ class Outcome(StrEnum):
     LINE_SEARCH_FAILED = "line_search_failed"
     SINGULAR = "singular"
     NOT_FINITE = "not_finite"
+    OUT_OF_TIME = "out_of_time"
 
 
 @dataclass(frozen=True)
@@ -33,6 +36,7 @@ class NewtonOptions:
         chord_ratio: a factor is used again while the residual falls below this ratio per step.
         max_chords: at most so many steps with a re-used factor in a row.
         max_halvings: of a step in the line search.
+        deadline: `time.perf_counter()` at which to give up.
         max_shifts: attempts to make even the convex part positive definite by a shift.
     """
 
@@ -41,6 +45,7 @@ class NewtonOptions:
     chord_ratio: float = 0.2
     max_chords: int = 8
     max_halvings: int = 30
+    deadline: float = float("inf")
     max_shifts: int = 20
 
 
@@ -55,7 +60,6 @@ class Minimum:
         gradient: there, zero at held degrees of freedom [N], shape (n,).
         iterations: Newton steps taken.
         stable: True when the last Hessian on the way was positive definite.
-        travelled: largest displacement from the starting point [m].
     """
 
     outcome: Outcome
@@ -64,7 +68,6 @@ class Minimum:
     gradient: Floats
     iterations: int
     stable: bool
-    travelled: float
 
     @property
     def residual(self) -> float:
@@ -98,21 +101,29 @@ def minimise(system: System, start: Floats, options: NewtonOptions) -> Minimum:
     Returns:
         The place reached, with how it ended; nothing is raised for a failed search.
     """
+    try:
+        return _minimise(system, start, options)
+    except SingularMatrixError:
+        # The library failed, or the numbers did: the caller goes back and takes a shorter step.
+        nowhere = np.full_like(start, np.nan)
+        return Minimum(Outcome.SINGULAR, start, np.nan, nowhere, 0, False)
+
+
+def _minimise(system: System, start: Floats, options: NewtonOptions) -> Minimum:
     energy, gradient, data = system.hessian(start)
     point = Point(start, energy, gradient)
     level, iterations = 0, 0
 
     def end(outcome: Outcome) -> Minimum:
-        travelled = float(np.abs(point.x - start).max(initial=0.0))
-        return Minimum(
-            outcome, point.x, point.energy, point.gradient, iterations, level == 0, travelled
-        )
+        return Minimum(outcome, point.x, point.energy, point.gradient, iterations, level == 0)
 
     while True:
         if not np.isfinite(point.energy) or not np.isfinite(point.residual):
             return end(Outcome.NOT_FINITE)
         if point.residual <= options.residual_tolerance and iterations > 0:
             return end(Outcome.CONVERGED)
+        if perf_counter() > options.deadline:
+            return end(Outcome.OUT_OF_TIME)
         if iterations >= options.max_iterations:
             return end(Outcome.TOO_MANY_ITERATIONS)
         if iterations > 0:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from enum import StrEnum
 from time import perf_counter
@@ -12,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sheetmorph.core.events import Listener, StateReached, StepRejected, silent
+from sheetmorph.solve.linear import SingularMatrixError
 from sheetmorph.solve.minimise import Minimum, NewtonOptions, Outcome, minimise
 from sheetmorph.solve.stability import escape_saddle, negative_pivots
 from sheetmorph.solve.system import System
@@ -169,15 +171,16 @@ def follow(
         The path. A failure is a status; all states before it are kept.
     """
     known = list(states)
-    began = perf_counter()
+    deadline = perf_counter() + options.time_limit
+    options = replace(options, newton=replace(options.newton, deadline=deadline))
     try:
         while known[-1].leg < len(waypoints) - 1:
             if len(known) > options.max_steps:
                 return _end(known, Status.TOO_MANY_STEPS, f"{options.max_steps} states were made")
-            if perf_counter() - began > options.time_limit:
-                return _end(known, Status.TIME_LIMIT, f"{options.time_limit:g} s have passed")
             taken = _step(system, waypoints, known, options, equal_steps, on_event)
             if isinstance(taken, str):
+                if taken == Outcome.OUT_OF_TIME:
+                    return _end(known, Status.TIME_LIMIT, f"{options.time_limit:g} s have passed")
                 status = Status.NOT_FINITE if taken == Outcome.NOT_FINITE else Status.STEP_TOO_SMALL
                 return _end(known, status, f"Newton's method ended with {taken.replace('_', ' ')}")
             known.append(taken)
@@ -219,6 +222,8 @@ def _step(
         found = minimise(here, guess, options.newton)
         if found.outcome is Outcome.CONVERGED:
             break
+        if found.outcome is Outcome.OUT_OF_TIME:
+            return str(found.outcome)
         on_event(StepRejected(ramp, load, found.outcome.replace("_", " ")))
         size = 0.5 * (s - last.s)
         if size < options.min_step:
@@ -226,12 +231,16 @@ def _step(
     at_end = s == 1.0
     pivots = 0
     if not found.stable or (at_end and last.leg == len(waypoints) - 2):
-        found, pivots = _settle(here, found, options)
+        try:
+            found, pivots = _settle(here, found, options)
+        except SingularMatrixError:
+            pivots = 1  # not even its Hessian can be factorised: no proof of a minimum
     cost = system.work.factorisations - before[1]
     # No prediction across a corner, nor for the small steps of a leg walked in equal ones.
     tangent = np.zeros_like(found.x)
     if not at_end and last.leg not in equal_steps:
-        tangent = _tangent(here, first, second, ramp, load, found)
+        with suppress(SingularMatrixError):
+            tangent = _tangent(here, first, second, ramp, load, found)
     state = PathState(
         x=found.x,
         tangent=tangent,
@@ -330,4 +339,7 @@ def _settle(here: System, found: Minimum, options: PathOptions) -> tuple[Minimum
         if lower.outcome is not Outcome.CONVERGED or not lower.energy < found.energy:
             break
         found = lower
+    else:
+        pivots, x, gradient = negative_pivots(here, found.x)
+        found = replace(found, x=x, gradient=gradient)
     return found, pivots

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import shutil
 import zipfile
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -26,14 +27,21 @@ class Journal:
 
     Attributes:
         folder: where the states lie.
+        outdated: files and folders of an earlier run, removed when a new one begins.
     """
 
     folder: Path
+    outdated: tuple[Path, ...] = ()
 
     @classmethod
-    def of_run(cls, run_folder: Path) -> Journal:
-        """The journal of a results folder; it may not exist yet."""
-        return cls(run_folder / FOLDER)
+    def of_run(cls, run_folder: Path, outputs: Sequence[str] = ()) -> Journal:
+        """The journal of a results folder; it may not exist yet.
+
+        Args:
+            run_folder: the results folder.
+            outputs: names in it that a run writes, and that those of an earlier run make way.
+        """
+        return cls(run_folder / FOLDER, tuple(run_folder / name for name in outputs))
 
     @property
     def exists(self) -> bool:
@@ -41,8 +49,13 @@ class Journal:
         return (self.folder / "journal.json").is_file()
 
     def begin(self, design_hash: str) -> None:
-        """Start an empty journal; an old one is removed."""
+        """Start an empty journal; an old one and the outputs of its run are removed."""
         self.remove()
+        for path in self.outdated:
+            if path.is_dir():
+                shutil.rmtree(path, ignore_errors=True)
+            elif path.exists():
+                path.unlink()
         write_text(
             self.folder / "journal.json",
             json.dumps({"design_hash": design_hash, "version": __version__}),
