@@ -53,6 +53,8 @@ def new(name: str, preset: str, force: bool) -> None:
     from sheetmorph.core.files import write_text
     from sheetmorph.design.presets import preset_text
 
+    if not Path(name).name or name.endswith(("/", "\\")):
+        raise InputError("give a name for the design, such as my_bowl", value=name)
     path = Path(name if name.endswith(".toml") else f"{name}.toml")
     if path.exists() and not force:
         raise InputError("this file exists; choose another name or add --force", file=path)
@@ -93,7 +95,6 @@ def check(file: Path, overrides: tuple[str, ...], as_json: bool) -> None:
 @click.option(
     "-o",
     "--output",
-    type=click.Path(path_type=Path),
     metavar="DIR",
     help="Folder for the results. Default: results/NAME.",
 )
@@ -104,7 +105,7 @@ def check(file: Path, overrides: tuple[str, ...], as_json: bool) -> None:
 @click.option("--json", "as_json", is_flag=True, help="Print the summary as JSON, nothing else.")
 def run(
     file: Path,
-    output: Path | None,
+    output: str | None,
     overrides: tuple[str, ...],
     resume: bool,
     force: bool,
@@ -123,7 +124,9 @@ def run(
       sheetmorph run bowl.toml -o results/bowl --resume
     """
     design = _load_design(file, overrides)
-    folder = output if output is not None else Path("results") / file.stem
+    if output is not None and not output.strip():
+        raise InputError("-o wants a folder, such as results/bowl", value=output)
+    folder = Path(output) if output is not None else Path("results") / file.stem
     silent = quiet or as_json
     with _Progress(silent) as listener, _naming(file):
         from sheetmorph.show.outputs import run_design

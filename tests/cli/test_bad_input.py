@@ -248,6 +248,9 @@ def test_unreadable_mesh_files(
         (["new", "small"], "exists"),
         (["new", "x", "--preset", "boat"], "boat"),
         (["new", "a/../../*"], "name"),
+        (["new", ""], "my_bowl"),
+        (["new", "../"], "my_bowl"),
+        (["run", "small.toml", "-o", ""], "folder"),
     ],
 )
 def test_bad_arguments(

@@ -86,15 +86,31 @@ def test_a_new_run_leaves_nothing_of_the_old_one(design: Path, tmp_path: Path) -
     out = tmp_path / "out"
     assert main(["run", str(design), "-o", str(out), "-q", "--set", "outputs.series=true"]) == 0
     (out / "notes.txt").write_text("of the user")
-    assert (out / "series").is_dir()
+    assert (out / "series" / "shape.pvd").is_file()
     assert main(["run", str(design), "-o", str(out), "-q", "--force"]) == 0
     assert {p.name for p in out.iterdir()} == {
-        *("result.h5", "summary.json", "shape.stl", "notes.txt"),
+        *("result.h5", "summary.json", "shape.stl", "notes.txt", "series"),
     }
+    assert list((out / "series").iterdir()) == []
     # A design that cannot be run destroys nothing.
     broken = ["--set", "supports=[{kind='nodes', nodes=[999999, 1, 2]}]", "--force"]
     assert main(["run", str(design), "-o", str(out), "-q", *broken]) == 2
     assert sm.Result.load(out).status == "completed"
+
+
+@pytest.mark.parametrize("force", [[], ["--force"]])
+def test_what_is_not_of_a_run_is_never_touched(
+    design: Path, tmp_path: Path, force: list[str]
+) -> None:
+    """A folder of the user's with names like ours: -o . in a project, say."""
+    mine = [tmp_path / name for name in ("pictures/cat.png", "pictures/top.png", "report.html")]
+    for path in mine:
+        path.parent.mkdir(exist_ok=True)
+        path.write_text("of the user")
+    assert main(["run", str(design), "-o", str(tmp_path), "-q", *force]) == 0
+    assert main(["run", str(design), "-o", str(tmp_path), "-q", "--force"]) == 0
+    assert (tmp_path / "pictures" / "cat.png").read_text() == "of the user"
+    assert design.exists()
 
 
 def test_a_computation_that_fails_ends_with_1(

@@ -11,16 +11,18 @@ from sheetmorph.design.spec import Design
 from sheetmorph.geometry.writers import write_stl, write_vtu_series
 from sheetmorph.show import fields
 from sheetmorph.show.folder import write_folder
+from sheetmorph.show.pictures import NAMES
 from sheetmorph.show.render import RenderWorker
 from sheetmorph.study.journal import Journal
 from sheetmorph.study.result import Result
 from sheetmorph.study.simulate import simulate
 
 OUTPUTS = (
-    *("result.h5", "summary.json", "shape.stl", "series", "pictures", "animation.gif"),
-    "report.html",
+    *("result.h5", "summary.json", "shape.stl", "animation.gif", "report.html"),
+    *("series/shape.pvd", "series/shape_[0-9]*.vtu"),
+    *(f"pictures/{name}" for name in NAMES),
 )
-"""What a run writes into its folder, and what the next one there replaces."""
+"""What a run writes into its folder, and what the next one there replaces: nothing else."""
 
 RESUMABLE = ("interrupted", "time_limit", "too_many_steps")
 """Statuses after which the states are kept for `--resume`."""
@@ -55,7 +57,7 @@ def run_design(
     """
     began = perf_counter() if started is None else started
     place = Path(folder)
-    journal = Journal.of_run(place, OUTPUTS)
+    journal = Journal.of_run(place, _outdated(place) if force else ())
     _guard(place, journal, resume, force)
     wanted = design.outputs
     draws = wanted.pictures or wanted.animation
@@ -122,6 +124,13 @@ def write_series(result: Result, folder: str | Path) -> Path:
             "in_pattern": [result.triangle_in_pattern.astype(float)] * len(result.ramp),
         },
     )
+
+
+def _outdated(place: Path) -> list[Path]:
+    """Files of an earlier run, where there was one: a folder without results is the user's."""
+    if not (place / "result.h5").is_file():
+        return []
+    return [path for pattern in OUTPUTS for path in place.glob(pattern) if path.is_file()]
 
 
 def _guard(place: Path, journal: Journal, resume: bool, force: bool) -> None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import shutil
 import zipfile
-from collections.abc import Sequence
+from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -27,21 +27,16 @@ class Journal:
 
     Attributes:
         folder: where the states lie.
-        outdated: files and folders of an earlier run, removed when a new one begins.
+        outdated: files of an earlier run, removed when a new one begins.
     """
 
     folder: Path
     outdated: tuple[Path, ...] = ()
 
     @classmethod
-    def of_run(cls, run_folder: Path, outputs: Sequence[str] = ()) -> Journal:
-        """The journal of a results folder; it may not exist yet.
-
-        Args:
-            run_folder: the results folder.
-            outputs: names in it that a run writes, and that those of an earlier run make way.
-        """
-        return cls(run_folder / FOLDER, tuple(run_folder / name for name in outputs))
+    def of_run(cls, run_folder: Path, outdated: Iterable[Path] = ()) -> Journal:
+        """The journal of a results folder; it may not exist yet."""
+        return cls(run_folder / FOLDER, tuple(outdated))
 
     @property
     def exists(self) -> bool:
@@ -52,10 +47,7 @@ class Journal:
         """Start an empty journal; an old one and the outputs of its run are removed."""
         self.remove()
         for path in self.outdated:
-            if path.is_dir():
-                shutil.rmtree(path, ignore_errors=True)
-            elif path.exists():
-                path.unlink()
+            path.unlink(missing_ok=True)
         write_text(
             self.folder / "journal.json",
             json.dumps({"design_hash": design_hash, "version": __version__}),
