@@ -9,8 +9,10 @@ import pytest
 import shapely
 
 from sheetmorph.core.errors import InputError
-from sheetmorph.design.actuation import classify, edge_distance, profile, regions, thermal_strain
+from sheetmorph.design.actuation import edge_distance, profile, thermal_strain
 from sheetmorph.design.distance import contains, distance_to_boundary, signed_distance
+from sheetmorph.design.laminate import LayerStack
+from sheetmorph.design.regions import Cell, classify, regions
 
 S = np.array([0.0, 1e-9, 0.1, 0.5, 0.9, 1.0])
 
@@ -56,17 +58,22 @@ def test_regions_by_midpoint_centroid_and_position(design, strip):
     assert np.array_equal(region.hinge_in_pattern, region.edge_in_pattern[strip.hinge_edges[:, 0]])
 
 
+def two_cells(area):
+    film = LayerStack.of(())
+    return Cell((), shapely.Polygon(), film), Cell(("pattern",), area, film)
+
+
 def test_the_boundary_of_the_pattern_belongs_to_it(grid):
     mesh = grid(0.01, 0.01, 0.001)
     square = shapely.box(-0.003, -0.003, 0.003, 0.003)
-    region = classify(mesh, square)
+    region = classify(mesh, two_cells(square))
     on_edge = np.isclose(np.abs(mesh.edge_midpoints).max(axis=1), 0.003, rtol=0, atol=1e-12)
     assert on_edge.any()
     assert region.edge_in_pattern[on_edge].all()
 
 
 def test_an_empty_pattern_holds_nothing(strip):
-    region = classify(strip, shapely.MultiPolygon())
+    region = classify(strip, two_cells(shapely.MultiPolygon()))
     assert not region.edge_in_pattern.any()
     assert not region.node_in_pattern.any()
 

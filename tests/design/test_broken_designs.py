@@ -72,7 +72,7 @@ BROKEN = {
     "outline kind": ('"rectangle"', '"rectangel"', ["outline.kind", "did you mean rectangle?"]),
     "outline no kind": ('kind = "rectangle"\n', "", ["outline.kind: is required"]),
     "outline missing": ('width = "40 mm"\n', "", ["outline.width: is required"]),
-    "outline clip": (SHEET, f"{SHEET}\nclip = true", ["outline.clip", "pattern shapes"]),
+    "outline clip": (SHEET, f"{SHEET}\nclip = true", ["outline.clip: unknown key", "cutouts"]),
     "outline crosses": (
         SHEET,
         'kind = "polygon"\nunit = "mm"\npoints = [[0, 0], [50, 20], [50, 0], [0, 20]]',

@@ -8,6 +8,7 @@ from sheets import SHEET
 
 from sheetmorph.core.errors import InputError
 from sheetmorph.design.meshing import farther_side, hinge_coupling, hinge_orientation
+from sheetmorph.design.regions import regions
 from sheetmorph.design.spec import Design
 from sheetmorph.geometry.topology import build_mesh
 
@@ -51,12 +52,12 @@ def test_c_is_farther_from_the_pattern(design, strip):
 def test_no_preferred_side_no_coupling(design, strip):
     mesh = oriented(strip, design.pattern_polygon())
     side = farther_side(mesh, design.pattern_polygon())
-    coupling = hinge_coupling(design, mesh)
+    coupling = hinge_coupling(design, mesh, regions(design, mesh))
     assert (coupling[side == 0] == 0).all()
     assert (coupling[side != 0] == 1).all()
     assert 0 < (side == 0).sum() < len(side)
     as_listed = design.with_values({"published.hinge_orientation": "file_order"})
-    assert (hinge_coupling(as_listed, mesh) == 1).all()
+    assert (hinge_coupling(as_listed, mesh, regions(design, mesh)) == 1).all()
 
 
 def test_default_orientation_by_source(design, tmp_path):

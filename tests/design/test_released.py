@@ -5,8 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from sheetmorph.design.actuation import edge_distance, regions, thermal_strain
+from sheetmorph.design.actuation import edge_distance, thermal_strain
 from sheetmorph.design.laminate import published_stiffness
+from sheetmorph.design.regions import regions
 from sheetmorph.design.spec import Design
 from sheetmorph.design.supports import held_nodes, perturbation_forces
 from sheetmorph.geometry.topology import build_mesh

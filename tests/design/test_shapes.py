@@ -7,14 +7,13 @@ import math
 import pytest
 import shapely
 
+from sheetmorph.design.library import Bar, Star
 from sheetmorph.design.shapes import (
     CIRCLE_SEGMENTS,
-    Bar,
     Disc,
     Ellipse,
     Polygon,
     Rectangle,
-    Star,
 )
 from sheetmorph.design.spec import Design
 

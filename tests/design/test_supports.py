@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from sheetmorph.core.errors import InputError
-from sheetmorph.design.actuation import regions
 from sheetmorph.design.laminate import film_stack
+from sheetmorph.design.regions import regions
 from sheetmorph.design.spec import Design
 from sheetmorph.design.supports import held_nodes, perturbation_forces
 

@@ -1,70 +1,18 @@
-"""Regions of the sheet, distance from the pattern, and the strain each edge wants."""
+"""Distance from the pattern, and the strain each edge wants."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
 from sheetmorph.core.errors import InputError
-from sheetmorph.design.distance import contains, distance_to_boundary
-from sheetmorph.design.schema import pattern_polygon
+from sheetmorph.design.distance import distance_to_boundary
 from sheetmorph.geometry.mesh import Floats, SheetMesh
 
 if TYPE_CHECKING:
-    from shapely.geometry.base import BaseGeometry
-
+    from sheetmorph.design.regions import Regions
     from sheetmorph.design.spec import Design
-
-Bools = NDArray[np.bool_]
-
-TOLERANCE = 1e-9
-"""Width of the pattern's boundary, as a fraction of the size of the sheet."""
-
-
-@dataclass(frozen=True, eq=False)
-class Regions:
-    """Which parts of a mesh lie in the pattern, its boundary included.
-
-    Attributes:
-        edge_in_pattern: edges by their midpoint, shape (E,).
-        triangle_in_pattern: triangles by their centroid, shape (T,).
-        hinge_in_pattern: hinges by their edge, shape (H,).
-        node_in_pattern: nodes by their position, shape (V,).
-    """
-
-    edge_in_pattern: Bools
-    triangle_in_pattern: Bools
-    hinge_in_pattern: Bools
-    node_in_pattern: Bools
-
-
-def regions(design: Design, mesh: SheetMesh) -> Regions:
-    """Sort the parts of a mesh of the design into pattern and film.
-
-    The pattern is not cut off at the outline here: nodes of a curved rim lie a little
-    outside the polygon that stands for the outline, and still belong to the pattern.
-    """
-    return classify(mesh, pattern_polygon(design.spec, clipped=False))
-
-
-def classify(mesh: SheetMesh, pattern: BaseGeometry) -> Regions:
-    """Sort the parts of a mesh by whether they lie in a region of the plane.
-
-    Args:
-        mesh: the reference mesh.
-        pattern: polygon or polygons [m]; may be empty.
-    """
-    width = TOLERANCE * mesh.size
-    edges = contains(pattern, mesh.edge_midpoints, width)
-    return Regions(
-        edge_in_pattern=edges,
-        triangle_in_pattern=contains(pattern, mesh.triangle_centroids, width),
-        hinge_in_pattern=edges[mesh.hinge_edges[:, 0]],
-        node_in_pattern=contains(pattern, mesh.nodes[:, :2], width),
-    )
 
 
 def edge_distance(design: Design, mesh: SheetMesh, region: Regions) -> tuple[Floats, float]:

@@ -7,16 +7,16 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from sheetmorph.design.actuation import Regions, edge_distance, regions, thermal_strain
+from sheetmorph.design.actuation import edge_distance, thermal_strain
 from sheetmorph.design.laminate import (
     LayerStack,
-    film_stack,
     mean_edge_length,
-    pattern_stack,
     published_stiffness,
     total_mass,
 )
 from sheetmorph.design.meshing import hinge_orientation
+from sheetmorph.design.regions import Regions, regions
+from sheetmorph.design.sections import EVERYWHERE
 from sheetmorph.design.supports import held_nodes, perturbation_forces
 from sheetmorph.geometry.mesh import SheetMesh
 
@@ -54,7 +54,7 @@ def describe(design: Design, mesh: SheetMesh | None = None) -> dict[str, Any]:
         "hash": design.hash,
         "mesh": _mesh_numbers(design, mesh) | {"source": "made" if path is None else path.name},
         "regions": _region_numbers(design, mesh, region),
-        "mass": total_mass(design, mesh, region),
+        "mass": total_mass(mesh, region),
         "actuation": {
             "eps_pre": design.eps_pre,
             "temperature": design.actuation.temperature,
@@ -134,26 +134,19 @@ def _mesh_numbers(design: Design, mesh: SheetMesh) -> dict[str, Any]:
 
 
 def _region_numbers(design: Design, mesh: SheetMesh, region: Regions) -> dict[str, Any]:
-    inside, areas = region.triangle_in_pattern, mesh.triangle_areas
-    everywhere = [layer.name for layer in design.layers if layer.where == "everywhere"]
     stiffness = published_stiffness(design, mesh, region)
-    film = _stack_numbers(film_stack(design), mean_edge_length(design, mesh))
-    numbers = {
-        "film": film
-        | {
-            "layers": everywhere,
-            "area": float(areas[~inside].sum()),
-            "edges": int((~region.edge_in_pattern).sum()),
-            "stretch_range": _range(stiffness.stretch[~region.edge_in_pattern]),
-        }
-    }
-    if design.pattern:
-        both = _stack_numbers(pattern_stack(design), mean_edge_length(design, mesh))
-        numbers["pattern"] = both | {
-            "layers": [layer.name for layer in design.layers],
-            "area": float(areas[inside].sum()),
-            "edges": int(region.edge_in_pattern.sum()),
-            "stretch_range": _range(stiffness.stretch[region.edge_in_pattern]),
+    l0, numbers = mean_edge_length(design, mesh), {}
+    for index, cell in enumerate(region.cells):
+        edges = region.edge_cell == index
+        numbers[" + ".join(cell.parts) or "film"] = _stack_numbers(cell.stack, l0) | {
+            "layers": [
+                layer.name
+                for layer in design.layers
+                if layer.where == EVERYWHERE or layer.where in cell.parts
+            ],
+            "area": float(mesh.triangle_areas[region.triangle_cell == index].sum()),
+            "edges": int(edges.sum()),
+            "stretch_range": _range(stiffness.stretch[edges]),
         }
     return numbers
 
@@ -181,7 +174,7 @@ def _warnings(design: Design, mesh: SheetMesh, report: dict[str, Any]) -> list[s
         found.append(f"{poor} triangles have an angle below {math.degrees(POOR_ANGLE):.0f}°")
     if design.pattern:
         wanted = design.pattern_polygon().area
-        got = report["regions"]["pattern"]["area"]
+        got = sum(part["area"] for name, part in report["regions"].items() if name != "film")
         if abs(got - wanted) > AREA_MISMATCH * wanted:
             areas = f"{1e6 * got:.4g} mm² instead of {1e6 * wanted:.4g} mm²"
             found.append(f"the mesh gives the pattern {areas}; a finer mesh follows it better")

@@ -17,6 +17,7 @@ from sheetmorph.core.units import Kind, to_si
 
 MAX_NAME = 100
 NAME_PATTERN = r"^\w[\w .+-]*$"
+PART_PATTERN = r"^[A-Za-z][A-Za-z0-9_-]*$"
 NAME_ALLOWED = "letters, digits, spaces, and . _ + -, beginning with a letter or digit"
 
 PROBLEM = "sheetmorph"

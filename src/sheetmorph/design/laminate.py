@@ -6,16 +6,18 @@ enabled by a reduced model of composites*, Eqs. for k_s, k_b and D_eff.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 
+from sheetmorph.design.sections import EVERYWHERE
 from sheetmorph.geometry.mesh import Floats, SheetMesh
 
 if TYPE_CHECKING:
-    from sheetmorph.design.actuation import Regions
+    from sheetmorph.design.regions import Regions
     from sheetmorph.design.sections import Layer
     from sheetmorph.design.spec import Design
 
@@ -29,21 +31,25 @@ class LayerStack:
         young_moduli: [Pa], shape (n,).
         poisson_ratios: shape (n,).
         densities: [kg/m³], shape (n,).
+        active: layers that shrink or swell, shape (n,).
     """
 
     thicknesses: Floats
     young_moduli: Floats
     poisson_ratios: Floats
     densities: Floats
+    active: NDArray[np.bool_]
 
     @classmethod
     def of(cls, layers: Sequence[Layer]) -> LayerStack:
         """The stack of these layers, in their order."""
-        columns = [
-            [getattr(layer, name) for layer in layers]
-            for name in ("thickness", "young_modulus", "poisson_ratio", "density")
-        ]
-        return cls(*(np.array(column, dtype=np.float64) for column in columns))
+        return cls(
+            np.array([layer.thickness for layer in layers]),
+            np.array([layer.young_modulus for layer in layers]),
+            np.array([layer.poisson_ratio for layer in layers]),
+            np.array([layer.density for layer in layers]),
+            np.array([layer.role == "active" for layer in layers], dtype=np.bool_),
+        )
 
     @property
     def thickness(self) -> float:
@@ -79,6 +85,20 @@ class LayerStack:
         return float(self.plate_moduli @ inertia)
 
     @property
+    def face(self) -> int:
+        """Where the inert layers lie: 1 above the active ones, −1 below, 0 when they balance.
+
+        Above is where the neutral height of the inert layers is above that of the active
+        ones by more than a millionth of the thickness.
+        """
+        weights = self.plate_moduli * self.thicknesses
+        inert, active = weights * ~self.active, weights * self.active
+        if not (inert.any() and active.any()):
+            return 0
+        rise = inert @ self.mid_heights / inert.sum() - active @ self.mid_heights / active.sum()
+        return 0 if abs(rise) <= 1e-6 * self.thickness else int(np.sign(rise))
+
+    @property
     def areal_mass(self) -> float:
         """Mass per area [kg/m²]."""
         return float(self.densities @ self.thicknesses)
@@ -112,12 +132,14 @@ class PublishedStiffness:
 
 def film_stack(design: Design) -> LayerStack:
     """The layers outside the pattern: those everywhere."""
-    return LayerStack.of([layer for layer in design.layers if layer.where == "everywhere"])
+    return stack_of(design, ())
 
 
-def pattern_stack(design: Design) -> LayerStack:
-    """The layers within the pattern ("bilayer"): all of them."""
-    return LayerStack.of(design.layers)
+def stack_of(design: Design, parts: Collection[str]) -> LayerStack:
+    """The layers where these parts of the pattern lie: theirs and those everywhere."""
+    return LayerStack.of(
+        [layer for layer in design.layers if layer.where == EVERYWHERE or layer.where in parts]
+    )
 
 
 def mean_edge_length(design: Design, mesh: SheetMesh) -> float:
@@ -129,19 +151,15 @@ def mean_edge_length(design: Design, mesh: SheetMesh) -> float:
 def published_stiffness(design: Design, mesh: SheetMesh, regions: Regions) -> PublishedStiffness:
     """Stiffness of edges and hinges by region; a hinge takes the region of its edge."""
     l0, options = mean_edge_length(design, mesh), design.published
-    film, bilayer = film_stack(design), pattern_stack(design)
-    plain = options.stretch_factor * np.where(
-        regions.edge_in_pattern, bilayer.stretching_stiffness(l0), film.stretching_stiffness(l0)
-    )
+    stacks = [cell.stack for cell in regions.cells]
+    stretching = np.array([stack.stretching_stiffness(l0) for stack in stacks])
+    plain = options.stretch_factor * stretching[regions.edge_cell]
     scaled = options.stretch_stiffness == "scaled_by_edge_length"
-    bending = np.where(regions.hinge_in_pattern, bilayer.bending_stiffness, film.bending_stiffness)
+    bending = np.array([stack.bending_stiffness for stack in stacks])[regions.hinge_cell]
     return PublishedStiffness(plain, plain * mesh.edge_lengths if scaled else plain, bending)
 
 
-def total_mass(design: Design, mesh: SheetMesh, regions: Regions) -> float:
-    """Mass of the sheet [kg], region by region of the triangles."""
-    areas, inside = mesh.triangle_areas, regions.triangle_in_pattern
-    return float(
-        areas[inside].sum() * pattern_stack(design).areal_mass
-        + areas[~inside].sum() * film_stack(design).areal_mass
-    )
+def total_mass(mesh: SheetMesh, regions: Regions) -> float:
+    """Mass of the sheet [kg], cell by cell of the triangles."""
+    areal = np.array([cell.stack.areal_mass for cell in regions.cells])
+    return float(mesh.triangle_areas @ areal[regions.triangle_cell])

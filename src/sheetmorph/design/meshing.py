@@ -11,11 +11,13 @@ from numpy.typing import NDArray
 from sheetmorph.core.errors import InputError
 from sheetmorph.core.units import scale_of
 from sheetmorph.design.distance import signed_distance
+from sheetmorph.design.regions import hinge_face
 from sheetmorph.geometry.mesh import Floats, SheetMesh
 
 if TYPE_CHECKING:
     from shapely.geometry.base import BaseGeometry
 
+    from sheetmorph.design.regions import Regions
     from sheetmorph.design.spec import Design
 
 AREA_TOLERANCE = 0.05
@@ -30,7 +32,7 @@ def build_mesh(design: Design) -> SheetMesh:
 
         size = design.spec.mesh.size
         assert size is not None  # noqa: S101  the schema wants a size or a file
-        mesh = generate_mesh(design.outline_polygon(), design.pattern_polygon(), size)
+        mesh = generate_mesh(design.layout.sheet, design.layout.pattern, size)
     else:
         from sheetmorph.geometry.files import read_mesh
 
@@ -72,17 +74,18 @@ def farther_side(mesh: SheetMesh, pattern: BaseGeometry) -> NDArray[np.int8]:
     return np.asarray(np.sign(difference), dtype=np.int8)
 
 
-def hinge_coupling(design: Design, mesh: SheetMesh) -> Floats:
+def hinge_coupling(design: Design, mesh: SheetMesh, region: Regions) -> Floats:
     """Coupling of each hinge of the published model, beta·l0, shape (H,).
 
-    It is `published.coupling`, but zero where hinges run away from the pattern and both
-    sides of a hinge lie equally far from it: such a hinge has no preferred side, and any sign
-    would come from the numbering.
+    It is `published.coupling` with the sign of the face on which the inert layers lie, see
+    `hinge_face`, but zero where hinges run away from the pattern and both sides of a hinge lie
+    equally far from it: such a hinge has no preferred side, and any sign would come from the
+    numbering.
     """
-    coupling = np.full(len(mesh.hinges), design.published.coupling)
+    coupling = design.published.coupling * hinge_face(mesh, region)
     if hinge_orientation(design, design.resolve_mesh_path()) == "away_from_pattern":
         coupling[farther_side(mesh, design.pattern_polygon()) == 0] = 0.0
-    return coupling
+    return np.asarray(coupling, dtype=np.float64)
 
 
 def _lists_edges(path: Path) -> bool:

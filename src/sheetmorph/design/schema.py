@@ -3,12 +3,17 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Annotated, Literal, Self
+from functools import cached_property
+from typing import Annotated, Literal, Self
 
 from pydantic import Field, model_validator
 
+from sheetmorph.core.errors import nearest
 from sheetmorph.design.fields import MAX_NAME, NAME_PATTERN, Section, problem
+from sheetmorph.design.layout import Layout, lay_out
+from sheetmorph.design.outlines import Outline, PatternShape
 from sheetmorph.design.sections import (
+    EVERYWHERE,
     Actuation,
     FreeSupport,
     Layer,
@@ -19,16 +24,10 @@ from sheetmorph.design.sections import (
     SolverOptions,
     Support,
 )
-from sheetmorph.design.shapes import Outline, PatternShape
-
-if TYPE_CHECKING:
-    from shapely import MultiPolygon, Polygon
 
 MAX_LAYERS = 20
 MAX_SHAPES = 500
 MAX_NODES = 500_000
-EDGE_TOLERANCE = 2e-4
-"""How far a pattern may reach past the sheet, as a fraction of the sheet's diagonal."""
 
 Name = Annotated[str, Field(min_length=1, max_length=MAX_NAME, pattern=NAME_PATTERN)]
 
@@ -53,59 +52,54 @@ class DesignSchema(Section):
     def _consistent(self) -> Self:
         _check_layers(self)
         _check_supports(self)
-        _check_geometry(self)
+        _check_size(self)
         return self
 
-
-def outline_polygon(design: DesignSchema) -> Polygon:
-    """The outline of the sheet [m], circles as inscribed polygons."""
-    return design.outline.polygon()
-
-
-def pattern_polygon(design: DesignSchema, clipped: bool = True) -> MultiPolygon:
-    """The union of the pattern's shapes [m]; empty without a pattern.
-
-    Args:
-        design: the validated file.
-        clipped: cut the union off at the outline of the sheet.
-    """
-    import shapely
-
-    if not design.pattern:
-        return shapely.MultiPolygon()
-    inside = shapely.union_all([shape.polygon() for shape in design.pattern])
-    if clipped:
-        inside = shapely.intersection(inside, design.outline.polygon())
-    parts = [part for part in shapely.get_parts(inside) if isinstance(part, shapely.Polygon)]
-    return shapely.MultiPolygon([part for part in parts if part.area > 0])
+    @cached_property
+    def layout(self) -> Layout:
+        """The plan of the sheet that outline and pattern make."""
+        return lay_out(self.outline, self.pattern)
 
 
 def _check_layers(design: DesignSchema) -> None:
     seen: set[str] = set()
+    parts = list(dict.fromkeys(piece.part for piece in design.pattern))
+    if EVERYWHERE in parts:
+        raise problem("is the name of the whole sheet", key="pattern.part", value=EVERYWHERE)
     for index, layer in enumerate(design.layers):
         key = f"layers[{index}]"
         if layer.name in seen:
             raise problem("two layers have the same name", key=f"{key}.name", value=layer.name)
         seen.add(layer.name)
-        if layer.role == "active" and layer.where == "pattern":
+        if layer.where == EVERYWHERE:
+            continue
+        if layer.role == "active":
             raise problem(
                 "an active layer covers the whole sheet",
                 key=f"{key}.where",
                 value=layer.where,
-                allowed="everywhere",
+                allowed=EVERYWHERE,
             )
-        if layer.where == "pattern" and not design.pattern:
+        if not parts:
             raise problem(
-                "this layer lies in the pattern, and the design has none: "
+                "this layer lies in a part of the pattern, and the design has none: "
                 "add a [[pattern]] shape, or write everywhere",
                 key=f"{key}.where",
             )
+        if layer.where not in parts:
+            guess = nearest(layer.where, [EVERYWHERE, *parts])
+            hint = f"; did you mean {guess}?" if guess else ""
+            raise problem(
+                f"no shape of the pattern belongs to this part{hint}",
+                key=f"{key}.where",
+                value=layer.where,
+                allowed=", ".join([EVERYWHERE, *parts]),
+            )
     if not any(layer.role == "active" for layer in design.layers):
         raise problem("no layer is active, so nothing moves", key="layers", allowed="role = active")
-    if design.pattern and not any(layer.where == "pattern" for layer in design.layers):
-        raise problem(
-            "no layer has where = pattern, so the pattern is made of nothing", key="pattern"
-        )
+    for part in parts:
+        if not any(layer.where == part for layer in design.layers):
+            raise problem(f"no layer has where = {part}, so it is made of nothing", key="pattern")
 
 
 def _check_supports(design: DesignSchema) -> None:
@@ -129,29 +123,9 @@ def _check_supports(design: DesignSchema) -> None:
             )
 
 
-def _check_geometry(design: DesignSchema) -> None:
-    import shapely
-
-    if "clip" in design.outline.model_fields_set:
-        raise problem("clip belongs to pattern shapes", key="outline.clip")
-    sheet = design.outline.polygon()
+def _check_size(design: DesignSchema) -> None:
+    sheet = design.layout.sheet
     x_low, y_low, x_high, y_high = sheet.bounds
-    diagonal = math.hypot(x_high - x_low, y_high - y_low)
-    grown = sheet.buffer(EDGE_TOLERANCE * diagonal, join_style="mitre")
-    shapely.prepare(grown)
-    for index, shape in enumerate(design.pattern):
-        piece = shape.polygon()
-        if not piece.intersects(sheet) or piece.intersection(sheet).area < 1e-12:
-            raise problem("lies outside the sheet", key=f"pattern[{index}]")
-        if not shape.clip and not grown.covers(piece):
-            excess = shapely.hausdorff_distance(shapely.union(piece, sheet), sheet)
-            raise problem(
-                f"reaches {1e3 * excess:.3g} mm past the edge of the sheet",
-                key=f"pattern[{index}]",
-                allowed="a shape inside the outline, or clip = true to cut it off there",
-            )
-    if design.pattern and pattern_polygon(design).area > 0.999 * sheet.area:
-        raise problem("covers the whole sheet, so nothing is free to shrink", key="pattern")
     size = design.mesh.size
     if size is not None:
         nodes = sheet.area / (size * size * math.sqrt(3) / 2)

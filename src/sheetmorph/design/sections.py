@@ -18,6 +18,9 @@ from sheetmorph.design.fields import (
 )
 
 FileName = Annotated[str, Field(min_length=1, max_length=200)]
+EVERYWHERE = "everywhere"
+"""Where a layer lies that covers the whole sheet."""
+
 Fraction = Annotated[Number, Field(gt=0, le=1)]
 
 
@@ -26,7 +29,7 @@ class Layer(Section):
 
     Attributes:
         role: "active" layers shrink or swell when actuated, "inert" ones do not.
-        where: "everywhere", or in the "pattern" only.
+        where: "everywhere", or the name of a part of the pattern, such as "pattern".
         thickness: [m].
         young_modulus: at the temperature of actuation [Pa].
         density: [kg/m³].
@@ -38,7 +41,7 @@ class Layer(Section):
     young_modulus: Annotated[float, Quantity("pressure", "0 Pa", "10000 GPa", above=True)]
     poisson_ratio: Annotated[Number, Field(ge=0, lt=0.5)] = 0.33
     density: Annotated[float, Quantity("density", "0.1 kg/m^3", "30000 kg/m^3")] = 1000.0
-    where: Literal["everywhere", "pattern"] = "everywhere"
+    where: Annotated[str, Field(min_length=1, max_length=60)] = EVERYWHERE
 
 
 class Actuation(Section):

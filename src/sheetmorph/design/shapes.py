@@ -1,7 +1,7 @@
-"""Flat shapes: the outline of the sheet and the pieces of its pattern.
+"""Flat shapes that serve as the outline of a sheet and as pieces of a pattern alike.
 
-A new shape is one small class with its own `kind` and a `polygon()`, and its name in the
-union `Outline` or `PatternShape` below.
+What belongs to outlines alone is in `outlines`, what belongs to pieces alone in `piece`, and the
+shapes that only patterns use in `library` and `kirigami`.
 """
 
 from __future__ import annotations
@@ -13,16 +13,7 @@ from pydantic import Field, model_validator
 
 from sheetmorph.core.errors import InputError
 from sheetmorph.core.units import scale_of
-from sheetmorph.design.fields import (
-    Angle,
-    Flag,
-    Point,
-    Quantity,
-    Section,
-    Size,
-    Whole,
-    problem,
-)
+from sheetmorph.design.fields import Angle, Point, Section, Size, Whole, problem
 
 if TYPE_CHECKING:
     from shapely import Polygon as ShapelyPolygon
@@ -32,13 +23,11 @@ MAX_POINTS = 10_000
 CIRCLE_SEGMENTS = 240
 """Sides of the polygon that stands for a circle: chord error 8.6e-5 of the radius."""
 
-_ORIGIN = (0.0, 0.0)
+ORIGIN = (0.0, 0.0)
 
 
 class Shape(Section):
     """A flat shape in the plane of the sheet."""
-
-    clip: Flag = False
 
     def polygon(self) -> BaseGeometry:
         """The shape as a shapely polygon [m]; circles as inscribed polygons."""
@@ -50,11 +39,11 @@ class Disc(Shape):
 
     kind: Literal["disc"]
     radius: Size
-    centre: Point = _ORIGIN
+    centre: Point = ORIGIN
 
     def polygon(self) -> BaseGeometry:
         """The disc as an inscribed regular polygon [m]."""
-        return _ellipse(self.centre, self.radius, self.radius, 0.0)
+        return ellipse(self.centre, self.radius, self.radius, 0.0)
 
 
 class Ellipse(Shape):
@@ -63,12 +52,12 @@ class Ellipse(Shape):
     kind: Literal["ellipse"]
     half_width: Size
     half_height: Size
-    centre: Point = _ORIGIN
+    centre: Point = ORIGIN
     rotation: Angle = 0.0
 
     def polygon(self) -> BaseGeometry:
         """The ellipse as an inscribed polygon [m]."""
-        return _ellipse(self.centre, self.half_width, self.half_height, self.rotation)
+        return ellipse(self.centre, self.half_width, self.half_height, self.rotation)
 
 
 class Rectangle(Shape):
@@ -77,62 +66,33 @@ class Rectangle(Shape):
     kind: Literal["rectangle"]
     width: Size
     height: Size
-    centre: Point = _ORIGIN
+    centre: Point = ORIGIN
     rotation: Angle = 0.0
 
     def polygon(self) -> BaseGeometry:
         """The rectangle [m]."""
         x, y = self.width / 2, self.height / 2
-        return _placed([(-x, -y), (x, -y), (x, y), (-x, y)], self.centre, self.rotation)
+        return placed([(-x, -y), (x, -y), (x, y), (-x, y)], self.centre, self.rotation)
 
 
-class Bar(Shape):
-    """A straight bar from `start` to `end` with square ends."""
+class RegularPolygon(Shape):
+    """A regular polygon; its first corner lies along `rotation` from the x-axis.
 
-    kind: Literal["bar"]
-    start: Point
-    end: Point
-    half_width: Size
-
-    @model_validator(mode="after")
-    def _has_length(self) -> Self:
-        if math.dist(self.start, self.end) < 1e-6:
-            raise problem("the bar has no length: end is the same point as start", key="end")
-        return self
-
-    def polygon(self) -> BaseGeometry:
-        """The bar as a rectangle [m]."""
-        dx, dy = self.end[0] - self.start[0], self.end[1] - self.start[1]
-        length, w = math.hypot(dx, dy), self.half_width
-        corners = [(0.0, -w), (length, -w), (length, w), (0.0, w)]
-        return _placed(corners, self.start, math.atan2(dy, dx))
-
-
-class Star(Shape):
-    """Equal straight arms that radiate from `centre`, and a hub disc.
-
-    The first arm points along `rotation` from the x-axis; four arms make a cross.
+    Attributes:
+        radius: from the centre to the corners [m].
     """
 
-    kind: Literal["star"]
-    arms: Annotated[Whole, Field(ge=1, le=60)]
-    arm_length: Size
-    half_width: Size
-    hub_radius: Annotated[float, Quantity("length", "0 mm", "10 m")] = 0.0
-    centre: Point = _ORIGIN
+    kind: Literal["regular_polygon"]
+    sides: Annotated[Whole, Field(ge=3, le=100)]
+    radius: Size
+    centre: Point = ORIGIN
     rotation: Angle = 0.0
 
     def polygon(self) -> BaseGeometry:
-        """The union of the arms and the hub [m]."""
-        import shapely
-
-        length, w = self.arm_length, self.half_width
-        corners = [(0.0, -w), (length, -w), (length, w), (0.0, w)]
-        turn = 2 * math.pi / self.arms
-        parts = [_placed(corners, self.centre, self.rotation + k * turn) for k in range(self.arms)]
-        if self.hub_radius > 0:
-            parts.append(_ellipse(self.centre, self.hub_radius, self.hub_radius, 0.0))
-        return shapely.union_all(parts)
+        """The polygon [m]."""
+        angles = [2 * math.pi * k / self.sides for k in range(self.sides)]
+        corners = [(self.radius * math.cos(a), self.radius * math.sin(a)) for a in angles]
+        return placed(corners, self.centre, self.rotation)
 
 
 class Polygon(Shape):
@@ -153,32 +113,14 @@ class Polygon(Shape):
     @model_validator(mode="before")
     @classmethod
     def _apply_unit(cls, data: Any) -> Any:
-        if not isinstance(data, dict) or data.get("unit") is None:
-            return data
-        try:
-            scale_of(data["unit"], "length")
-        except InputError as error:
-            raise problem(error.message, key="unit", value=error.value) from None
-        suffix = f" {data['unit']}"
-        given = {key: _with_unit(data[key], suffix) for key in ("points", "holes") if key in data}
-        return {**data, **given}
+        return in_unit(data, ("points", "holes"))
 
     @model_validator(mode="after")
     def _is_simple(self) -> Self:
-        import shapely
 
         if len(self.points) + sum(map(len, self.holes)) > MAX_POINTS:
             raise problem("has too many corners", key="points", allowed=f"≤ {MAX_POINTS}")
-        shape = self.polygon()
-        if not shapely.is_valid(shape):
-            reason = shapely.is_valid_reason(shape)
-            raise problem(
-                f"the polygon is not simple ({_in_millimetres(reason)})",
-                key="points",
-                allowed="a closed line that does not cross or touch itself, holes inside it",
-            )
-        if shape.area < 1e-12:
-            raise problem("the polygon has no area", key="points")
+        _check_simple(self.polygon(), "points")
         return self
 
     def polygon(self) -> BaseGeometry:
@@ -188,15 +130,62 @@ class Polygon(Shape):
         return shapely.Polygon(self.points, self.holes)
 
 
-Outline = Annotated[Disc | Rectangle | Ellipse | Polygon, Field(discriminator="kind")]
-PatternShape = Annotated[
-    Star | Bar | Disc | Rectangle | Ellipse | Polygon, Field(discriminator="kind")
-]
+Ring = Annotated[tuple[Point, ...], Field(min_length=3, max_length=MAX_POINTS)]
 
 
-def _placed(
+class Polygons(Shape):
+    """Several polygons, each a list of rings: its boundary, then its holes.
+
+    With `unit` the coordinates are plain numbers in that unit, as for `polygon`.
+    """
+
+    kind: Literal["polygons"]
+    unit: str | None = None
+    polygons: Annotated[
+        tuple[Annotated[tuple[Ring, ...], Field(min_length=1, max_length=200)], ...],
+        Field(min_length=1, max_length=1000),
+    ]
+
+    @model_validator(mode="before")
+    @classmethod
+    def _apply_unit(cls, data: Any) -> Any:
+        return in_unit(data, ("polygons",))
+
+    @model_validator(mode="after")
+    def _are_simple(self) -> Self:
+        if sum(len(ring) for rings in self.polygons for ring in rings) > 10 * MAX_POINTS:
+            raise problem("has too many corners", key="polygons", allowed=f"≤ {10 * MAX_POINTS}")
+        _check_simple(self.polygon(), "polygons")
+        return self
+
+    def polygon(self) -> BaseGeometry:
+        """The polygons with their holes [m]."""
+        import shapely
+
+        parts = [shapely.Polygon(rings[0], rings[1:]) for rings in self.polygons]
+        return parts[0] if len(parts) == 1 else shapely.MultiPolygon(parts)
+
+
+def in_unit(data: Any, keys: tuple[str, ...]) -> Any:
+    """A table whose plain numbers below some keys have got the unit that its `unit` names.
+
+    Raises:
+        PydanticCustomError: `unit` is no unit of length.
+    """
+    if not isinstance(data, dict) or data.get("unit") is None:
+        return data
+    try:
+        scale_of(data["unit"], "length")
+    except InputError as error:
+        raise problem(error.message, key="unit", value=error.value) from None
+    suffix = f" {data['unit']}"
+    return {**data, **{key: _with_unit(data[key], suffix) for key in keys if key in data}}
+
+
+def placed(
     corners: list[tuple[float, float]], centre: tuple[float, float], rotation: float
 ) -> ShapelyPolygon:
+    """The polygon with these corners, turned about the origin and then moved to `centre` [m]."""
     import shapely
 
     c, s = math.cos(rotation), math.sin(rotation)
@@ -205,12 +194,31 @@ def _placed(
     )
 
 
-def _ellipse(
+def ellipse(
     centre: tuple[float, float], half_width: float, half_height: float, rotation: float
 ) -> ShapelyPolygon:
+    """An inscribed polygon of an ellipse [m], see `CIRCLE_SEGMENTS`."""
     angles = [2 * math.pi * k / CIRCLE_SEGMENTS for k in range(CIRCLE_SEGMENTS)]
     corners = [(half_width * math.cos(a), half_height * math.sin(a)) for a in angles]
-    return _placed(corners, centre, rotation)
+    return placed(corners, centre, rotation)
+
+
+def rounded(shape: BaseGeometry, inner: float, outer: float) -> BaseGeometry:
+    """A shape with rounded corners.
+
+    Args:
+        shape: polygon or polygons [m].
+        inner: radius of its re-entrant corners [m]: the shape closed by a disc.
+        outer: radius of its salient corners [m]: the shape opened by a disc.
+    """
+    import shapely
+
+    for radius in (inner, -outer):
+        if radius:
+            grown = shapely.buffer(shape, radius, quad_segs=CIRCLE_SEGMENTS // 4)
+            back = shapely.buffer(grown, -radius, quad_segs=CIRCLE_SEGMENTS // 4)
+            shape = shapely.simplify(back, 1e-4 * abs(radius))
+    return shape
 
 
 def _with_unit(value: Any, suffix: str) -> Any:
@@ -220,6 +228,20 @@ def _with_unit(value: Any, suffix: str) -> Any:
     if isinstance(value, int | float) and not isinstance(value, bool):
         return f"{value!r}{suffix}"
     return value
+
+
+def _check_simple(shape: BaseGeometry, key: str) -> None:
+    import shapely
+
+    if not shapely.is_valid(shape):
+        reason = shapely.is_valid_reason(shape)
+        raise problem(
+            f"the polygon is not simple ({_in_millimetres(reason)})",
+            key=key,
+            allowed="a closed line that does not cross or touch itself, holes inside it",
+        )
+    if shape.area < 1e-12:
+        raise problem("the polygon has no area", key=key)
 
 
 def _in_millimetres(reason: str) -> str:

@@ -15,12 +15,14 @@ from pydantic import ValidationError
 from sheetmorph.core.errors import InputError
 from sheetmorph.core.files import write_text
 from sheetmorph.design import files, schema
+from sheetmorph.design.layout import find_inert_parts
 from sheetmorph.design.messages import to_input_error
 
 if TYPE_CHECKING:
     from shapely import MultiPolygon, Polygon
 
-    from sheetmorph.design import sections, shapes
+    from sheetmorph.design import outlines, sections
+    from sheetmorph.design.layout import InertPart, Layout
     from sheetmorph.geometry.mesh import SheetMesh
 
 _NOT_HASHED: dict[str, Any] = {
@@ -76,11 +78,12 @@ class Design:
             InputError: as for `load`.
         """
         data = files.parse_design_text(text)
+        place = None if folder is None else Path(folder)
         try:
-            spec = schema.DesignSchema.model_validate(data)
+            spec = schema.DesignSchema.model_validate(data, context=place)
         except ValidationError as error:
             raise to_input_error(error) from None
-        return cls(spec, text, None if folder is None else Path(folder), file)
+        return cls(spec, text, place, file)
 
     def with_values(self, values: Mapping[str, object]) -> Design:
         """A copy with some keys set; this design is left as it is.
@@ -159,12 +162,12 @@ class Design:
         return self.spec.outputs
 
     @property
-    def outline(self) -> shapes.Outline:
+    def outline(self) -> outlines.Outline:
         """The table `outline`."""
         return self.spec.outline
 
     @property
-    def pattern(self) -> tuple[shapes.PatternShape, ...]:
+    def pattern(self) -> tuple[outlines.PatternShape, ...]:
         """The shapes whose union is the pattern."""
         return self.spec.pattern
 
@@ -190,17 +193,23 @@ class Design:
         assert self.actuation.temperature is not None  # noqa: S101  the schema wants one of the two
         return load_curve(self).eps_pre(self.actuation.temperature)
 
+    @property
+    def layout(self) -> Layout:
+        """The plan of the sheet: outline, slits and parts of the pattern."""
+        return self.spec.layout
+
     def outline_polygon(self) -> Polygon:
         """The outline of the sheet [m], circles as inscribed polygons."""
-        return schema.outline_polygon(self.spec)
+        return self.layout.sheet
 
     def pattern_polygon(self) -> MultiPolygon:
-        """The pattern within the sheet [m]; empty when there is none."""
-        return self._pattern
+        """The pattern within the sheet [m], all parts together; empty when there is none."""
+        return self.layout.pattern
 
     @cached_property
-    def _pattern(self) -> MultiPolygon:
-        return schema.pattern_polygon(self.spec)
+    def inert_parts(self) -> tuple[InertPart, ...]:
+        """The inert layers of the parts of the pattern, in the order of the layers."""
+        return find_inert_parts(self.spec)
 
     def resolve_mesh_path(self) -> Path | None:
         """Path of the mesh file, or None when the mesh is made from its size.

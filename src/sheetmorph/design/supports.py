@@ -8,8 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sheetmorph.core.errors import InputError
-from sheetmorph.design.actuation import TOLERANCE, Regions
 from sheetmorph.design.laminate import film_stack
+from sheetmorph.design.regions import TOLERANCE, Regions
 from sheetmorph.design.sections import BoxSupport, NodeSupport
 from sheetmorph.geometry.mesh import Floats, SheetMesh
 

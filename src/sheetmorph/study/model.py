@@ -7,9 +7,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from sheetmorph.design.actuation import Regions, regions, thermal_strain
+from sheetmorph.design.actuation import thermal_strain
 from sheetmorph.design.laminate import PublishedStiffness, published_stiffness
 from sheetmorph.design.meshing import hinge_coupling
+from sheetmorph.design.regions import Regions, regions
 from sheetmorph.design.spec import Design
 from sheetmorph.design.supports import held_nodes, perturbation_forces
 from sheetmorph.energy.hinge import CoupledHinge
@@ -73,7 +74,7 @@ def build_problem(design: Design) -> Problem:
     region = regions(design, mesh)
     stiffness = published_stiffness(design, mesh, region)
     eigenstrain = thermal_strain(design, mesh, region)
-    coupling = hinge_coupling(design, mesh)
+    coupling = hinge_coupling(design, mesh, region)
     held = held_nodes(design, mesh, region)
     around = mesh.hinge_edges[:, 1:]
     terms = (

@@ -1,0 +1,196 @@
+"""The plan of a sheet: its outline, its slits and the parts of its pattern, as drawn."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Iterator, Mapping
+from contextlib import contextmanager
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING, Literal
+
+from pydantic_core import PydanticCustomError
+
+from sheetmorph.design.fields import PROBLEM, problem
+from sheetmorph.design.sections import EVERYWHERE
+
+if TYPE_CHECKING:
+    from shapely import MultiLineString, MultiPolygon, Polygon
+    from shapely.geometry.base import BaseGeometry
+
+    from sheetmorph.design.outlines import OutlineShape
+    from sheetmorph.design.piece import Piece
+    from sheetmorph.design.schema import DesignSchema
+
+MAX_VERTICES = 200_000
+EDGE_TOLERANCE = 2e-4
+"""How far a pattern may reach past the sheet, as a fraction of the sheet's diagonal."""
+
+
+@dataclass(frozen=True, eq=False)
+class Layout:
+    """The plan of a sheet.
+
+    Attributes:
+        sheet: the sheet with its holes [m], circles as inscribed polygons.
+        slits: lines along which it is cut [m].
+        drawn: each part of the pattern as it is drawn [m], not cut off at the rim of the sheet:
+            nodes of a curved rim lie a little outside the polygon that stands for it, and
+            still belong to the part.
+    """
+
+    sheet: Polygon
+    slits: MultiLineString
+    drawn: Mapping[str, MultiPolygon]
+
+    @cached_property
+    def parts(self) -> Mapping[str, MultiPolygon]:
+        """Each part of the pattern within the sheet [m]."""
+        import shapely
+
+        return {
+            name: polygons(shapely.intersection(self.sheet, part))
+            for name, part in self.drawn.items()
+        }
+
+    @cached_property
+    def pattern(self) -> MultiPolygon:
+        """The union of all parts within the sheet [m]; empty without a pattern."""
+        import shapely
+
+        return polygons(shapely.union_all(list(self.parts.values())))
+
+
+def lay_out(outline: OutlineShape, pattern: Iterable[Piece]) -> Layout:
+    """Draw the pieces one after the other, and check that they fit the sheet.
+
+    Raises:
+        PydanticCustomError: a problem for people, with the key of the table that has it.
+    """
+    import shapely
+
+    with _below("outline"):
+        sheet = outline.sheet()
+        slits = outline.cuts()
+    low_x, low_y, high_x, high_y = sheet.bounds
+    reach = EDGE_TOLERANCE * math.hypot(high_x - low_x, high_y - low_y)
+    grown = sheet.buffer(reach, join_style="mitre")
+    shapely.prepare(grown)
+    drawn: dict[str, BaseGeometry] = {}
+    for index, piece in enumerate(pattern):
+        key = f"pattern[{index}]"
+        with _below(key):
+            region = piece.region(sheet)
+        if piece.operation == "union":
+            _check_place(region, piece.clip, sheet, grown, key)
+        before = drawn.get(piece.part)
+        if before is None and piece.operation != "union":
+            raise problem(
+                f"the part {piece.part} has nothing yet from which to take; "
+                "put a shape to join before it",
+                key=f"{key}.operation",
+                value=piece.operation,
+                allowed="union",
+            )
+        if before is None:
+            drawn[piece.part] = region
+        else:
+            drawn[piece.part] = getattr(shapely, piece.operation)(before, region)
+        if drawn[piece.part].area < 1e-12:
+            raise problem(f"nothing is left of the part {piece.part}", key=key)
+        if shapely.get_num_coordinates(drawn[piece.part]) > MAX_VERTICES:
+            raise problem("has too many corners", key=key, allowed=f"≤ {MAX_VERTICES}")
+    layout = Layout(sheet, slits, {name: polygons(shape) for name, shape in drawn.items()})
+    if layout.pattern.area > 0.999 * sheet.area:
+        raise problem("covers the whole sheet, so nothing is free to shrink", key="pattern")
+    return layout
+
+
+def polygons(shape: BaseGeometry) -> MultiPolygon:
+    """The parts of a shape that have an area, as one object."""
+    import shapely
+
+    parts = shapely.get_parts(shape)
+    return shapely.MultiPolygon(
+        [part for part in parts if isinstance(part, shapely.Polygon) and part.area > 0]
+    )
+
+
+def _check_place(
+    region: BaseGeometry, clip: bool, sheet: Polygon, grown: BaseGeometry, key: str
+) -> None:
+    import shapely
+
+    if not region.intersects(sheet) or region.intersection(sheet).area < 1e-12:
+        raise problem("lies outside the sheet", key=key)
+    if not clip and not grown.covers(region):
+        excess = shapely.hausdorff_distance(shapely.union(region, sheet), sheet)
+        raise problem(
+            f"reaches {1e3 * excess:.3g} mm past the edge of the sheet",
+            key=key,
+            allowed="a shape inside the outline, or clip = true to cut it off there",
+        )
+
+
+@contextmanager
+def _below(key: str) -> Iterator[None]:
+    """Problems within are told as those of the table `key`."""
+    try:
+        yield
+    except PydanticCustomError as error:
+        told = error.context
+        if error.type != PROBLEM or told is None:
+            raise
+        inner = f"{key}.{told['key']}" if told["key"] else key
+        raise problem(
+            told["text"], key=inner, value=told["value"], allowed=told["allowed"]
+        ) from None
+
+
+@dataclass(frozen=True, eq=False)
+class InertPart:
+    """One inert layer of a part of the pattern: a thing to make and to glue on.
+
+    Attributes:
+        name: of the layer.
+        part: of the pattern in which it lies.
+        region: its plan [m], within the sheet.
+        thickness: [m].
+        density: [kg/m³].
+        face: "top" when it lies above the active film, "bottom" when it lies below.
+        order: 0 for the layer next to the film, 1 for the one on top of that, and so on.
+    """
+
+    name: str
+    part: str
+    region: MultiPolygon
+    thickness: float
+    density: float
+    face: Literal["top", "bottom"]
+    order: int
+
+
+def find_inert_parts(design: DesignSchema) -> tuple[InertPart, ...]:
+    """The inert layers of the parts of the pattern, in the order of the layers."""
+    active = [k for k, layer in enumerate(design.layers) if layer.role == "active"]
+    found = []
+    for index, layer in enumerate(design.layers):
+        if layer.where == EVERYWHERE:
+            continue
+        below = index < active[0]
+        between = (
+            design.layers[index + 1 : active[0]] if below else design.layers[active[-1] : index]
+        )
+        order = sum(other.where == layer.where for other in between)
+        found.append(
+            InertPart(
+                layer.name,
+                layer.where,
+                design.layout.parts[layer.where],
+                layer.thickness,
+                layer.density,
+                "bottom" if below else "top",
+                order,
+            )
+        )
+    return tuple(found)
