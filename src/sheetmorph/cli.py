@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
 STARTED = perf_counter()
 # As in design.presets, which --help must not import.
-PRESETS = ("bowl", "canoe", "petals", "blank")
+PRESETS = ("bowl", "canoe", "petals", "kirigami", "blank")
 
 
 @click.group(context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 100})
@@ -42,23 +42,54 @@ def cli() -> None:
 @click.option(
     "--preset", type=click.Choice(PRESETS), default="blank", show_default=True, help="Start from."
 )
+@click.option(
+    "--drawing",
+    type=click.Path(path_type=Path),
+    help="Start from a drawing instead: .dxf, .svg, .stl or .3mf.",
+)
+@click.option("--sheet", metavar="LAYER", help="Its layer, id or colour of the sheet [SHEET].")
+@click.option("--pattern", metavar="LAYER", help="That of the pattern [PATTERN].")
+@click.option("--slits", metavar="LAYER", help="That of the slits [SLITS, if there is one].")
 @click.option("--force", is_flag=True, help="Replace a file that is already there.")
-def new(name: str, preset: str, force: bool) -> None:
+def new(
+    name: str,
+    preset: str,
+    drawing: Path | None,
+    sheet: str | None,
+    pattern: str | None,
+    slits: str | None,
+    force: bool,
+) -> None:
     """Write NAME.toml, a commented design file to start from.
 
     \b
-    Example:
+    Examples:
       sheetmorph new my_bowl --preset bowl
+      sheetmorph new leaf --drawing leaf.svg
     """
     from sheetmorph.core.files import write_text
     from sheetmorph.design.presets import preset_text
 
+    if drawing is None and (sheet or pattern or slits):
+        raise InputError("--sheet, --pattern and --slits go with --drawing")
     if not Path(name).name or name.endswith(("/", "\\")):
         raise InputError("give a name for the design, such as my_bowl", value=name)
     path = Path(name if name.endswith(".toml") else f"{name}.toml")
     if path.exists() and not force:
         raise InputError("this file exists; choose another name or add --force", file=path)
-    write_text(path, preset_text(preset, path.stem))
+    if drawing is None:
+        text = preset_text(preset, path.stem)
+    else:
+        from sheetmorph.design.from_drawing import design_text
+
+        if drawing.resolve().parent != path.resolve().parent:
+            raise InputError(
+                "a design and its drawing lie in one folder; copy the drawing there",
+                file=drawing,
+                allowed=str(path.resolve().parent / drawing.name),
+            )
+        text = design_text(drawing, path.stem, sheet, pattern, slits)
+    write_text(path, text)
     click.echo(f"wrote {path}; next: sheetmorph run {path}")
 
 
@@ -137,7 +168,7 @@ def run(
     if as_json:
         click.echo(json.dumps(result.summary, indent=2, ensure_ascii=False))
     elif not quiet:
-        _tell(result.summary, folder, notes)
+        _tell(result.summary, folder, [*design.drawing_notes, *notes])
     if result.status == "interrupted":
         raise click.exceptions.Abort(
             f"interrupted after {len(result.positions) - 1} states; add --resume to go on"

@@ -55,8 +55,9 @@ class StandInDesign:
     def outline_polygon(self):
         return self.outline
 
-    def pattern_polygon(self):
-        return self.pattern
+    @property
+    def layout(self):
+        return SimpleNamespace(parts={"pattern": self.pattern})
 
 
 @dataclass
@@ -73,6 +74,15 @@ class StandInResult:
     triangle_in_pattern: np.ndarray
     held_nodes: np.ndarray
     summary: dict
+
+    @property
+    def regions(self):
+        film = SimpleNamespace(parts=(), area=shapely.Polygon(), stack=SimpleNamespace(face=0))
+        pattern = SimpleNamespace(
+            parts=("pattern",), area=self.design.pattern, stack=SimpleNamespace(face=1)
+        )
+        cell = self.triangle_in_pattern.astype(int)
+        return SimpleNamespace(cells=(film, pattern), triangle_cell=cell)
 
     @property
     def status(self):

@@ -54,6 +54,7 @@ def describe(design: Design, mesh: SheetMesh | None = None) -> dict[str, Any]:
         "hash": design.hash,
         "mesh": _mesh_numbers(design, mesh) | {"source": "made" if path is None else path.name},
         "regions": _region_numbers(design, mesh, region),
+        "plan": _plan_numbers(design),
         "mass": total_mass(mesh, region),
         "actuation": {
             "eps_pre": design.eps_pre,
@@ -75,15 +76,38 @@ def describe(design: Design, mesh: SheetMesh | None = None) -> dict[str, Any]:
     return report | {"warnings": _warnings(design, mesh, report)}
 
 
+def _plan_numbers(design: Design) -> dict[str, Any]:
+    layout = design.layout
+    low_x, low_y, high_x, high_y = layout.sheet.bounds
+    return {
+        "size": [high_x - low_x, high_y - low_y],
+        "area": layout.sheet.area,
+        "holes": len(layout.sheet.interiors),
+        "slits": len(layout.slits.geoms),
+        "parts": {
+            name: {"area": part.area, "pieces": len(part.geoms)}
+            for name, part in layout.parts.items()
+        },
+        "notes": list(design.drawing_notes),
+    }
+
+
 def format_description(report: dict[str, Any]) -> str:
     """The dictionary of `describe` as lines for people."""
     mesh, actuation, support = report["mesh"], report["actuation"], report["supports"]
+    plan = report["plan"]
+    width, height = plan["size"]
+    cuts = [f"{plan[key]} {key}" for key in ("holes", "slits") if plan[key]]
+    sheet = f"{1e3 * width:.4g} × {_mm(height)}, {1e6 * plan['area']:.4g} mm²"
     counts = f"{mesh['nodes']} nodes, {mesh['edges']} edges, {mesh['triangles']} triangles"
     angle = math.degrees(mesh["smallest_angle"])
     lines = [
         f"{report['name']} ({report['model']} model), design {report['hash'][:12]}",
+        _row("sheet", ", ".join([sheet, *cuts])),
+        *(_row("note", note) for note in plan["notes"]),
         _row("mesh", f"{counts} ({mesh['source']})"),
         _row("", f"mean edge {_mm(mesh['mean_edge_length'])}, smallest angle {angle:.0f}°"),
+        *([_row("", f"symmetry: {mesh['symmetry']}")] if mesh["symmetry"] else []),
         _row("", f"hinges run {_RUN[mesh['hinge_orientation']]}"),
     ]
     for name, numbers in report["regions"].items():
@@ -129,6 +153,7 @@ def _mesh_numbers(design: Design, mesh: SheetMesh) -> dict[str, Any]:
         "mean_edge_length": mesh.mean_edge_length,
         "edge_length_range": [float(lengths.min()), float(lengths.max())],
         "smallest_angle": float(mesh.minimum_angles.min()),
+        "symmetry": str(design.symmetry) if design.spec.mesh.symmetry != "none" else None,
         "hinge_orientation": hinge_orientation(design, design.resolve_mesh_path()),
     }
 

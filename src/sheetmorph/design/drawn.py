@@ -46,15 +46,23 @@ class Drawing(Shape):
     gap: Annotated[float, Quantity("length", "0 mm", "10 mm")] = 1e-5
 
     _area: Any = PrivateAttr(default=None)
+    _notes: Any = PrivateAttr(default=())
 
     @model_validator(mode="after")
     def _read(self, info: ValidationInfo) -> Self:
         drawing = self._open(info)
         try:
-            self._area = drawing.area(self.select, strokes=self.strokes, overlaps=self.overlaps)
+            region = drawing.region(self.select, strokes=self.strokes, overlaps=self.overlaps)
         except InputError as error:
             raise told(error, self.file, "select") from None
+        self._area = region.shape
+        self._notes = tuple(f"{self.file}: {note}" for note in (*drawing.notes, *region.notes))
         return self
+
+    def notes(self) -> tuple[str, ...]:
+        """What was closed, joined, converted or left out in reading, with coordinates."""
+        notes: tuple[str, ...] = self._notes
+        return notes
 
     def _open(self, info: ValidationInfo) -> FlatDrawing:
         folder = info.context
@@ -73,6 +81,13 @@ class Drawing(Shape):
         """The areas of the drawing [m]."""
         area: BaseGeometry = self._area
         return area
+
+    def wkb(self) -> bytes:
+        """What the drawing shows, as bytes that only change with it."""
+        import shapely
+
+        shown: bytes = shapely.to_wkb(self.polygon(), byte_order=1)
+        return shown
 
 
 @lru_cache(maxsize=16)

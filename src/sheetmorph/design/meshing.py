@@ -28,11 +28,7 @@ def build_mesh(design: Design) -> SheetMesh:
     """The reference mesh of a design, see `Design.build_mesh`."""
     path = design.resolve_mesh_path()
     if path is None:
-        from sheetmorph.geometry.generate import generate_mesh
-
-        size = design.spec.mesh.size
-        assert size is not None  # noqa: S101  the schema wants a size or a file
-        mesh = generate_mesh(design.layout.sheet, design.layout.pattern, size)
+        mesh = _make(design)
     else:
         from sheetmorph.geometry.files import read_mesh
 
@@ -41,6 +37,33 @@ def build_mesh(design: Design) -> SheetMesh:
     if hinge_orientation(design, path) == "away_from_pattern":
         mesh = mesh.with_hinges_reversed(farther_side(mesh, design.pattern_polygon()) < 0)
     return mesh
+
+
+def _make(design: Design) -> SheetMesh:
+    """A mesh of the plan, with the symmetry of the design where that is wanted."""
+    from sheetmorph.geometry.generate import generate_mesh
+    from sheetmorph.geometry.symmetric_mesh import symmetric_mesh
+
+    source, layout = design.spec.mesh, design.layout
+    assert source.size is not None  # noqa: S101  the schema wants a size or a file
+    parts = list(layout.parts.values())
+    slits = None if layout.slits.is_empty else layout.slits
+    size, near, growth = source.size, source.boundary_size, source.growth
+    kind = source.symmetry
+    if kind == "none" or (kind == "auto" and design.symmetry.trivial):
+        return generate_mesh(
+            layout.sheet, parts, size, slits=slits, boundary_size=near, growth=growth
+        )
+    return symmetric_mesh(
+        layout.sheet,
+        parts,
+        size,
+        design.symmetry,
+        slits=slits,
+        boundary_size=near,
+        growth=growth,
+        wanted="full" if kind == "auto" else kind,
+    )
 
 
 def hinge_orientation(design: Design, path: Path | None) -> str:

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Self
 from pydantic import Field, PrivateAttr, ValidationInfo, model_validator
 
 from sheetmorph.core.errors import InputError
-from sheetmorph.design import drawn, library, shapes
+from sheetmorph.design import drawn, kirigami, library, library_fills, library_round, shapes
 from sheetmorph.design.fields import Point, problem
 from sheetmorph.design.piece import Piece, Radius
 
@@ -54,7 +54,17 @@ class DrawingPiece(Piece, drawn.Drawing):
 
 PatternShape = Annotated[
     library.Star
+    | library.TwinStar
+    | library.Cross
     | library.Bar
+    | library_round.Lotus
+    | library_round.Ring
+    | library_round.Rings
+    | library_round.Spiral
+    | library_fills.Stripes
+    | library_fills.Grid
+    | library_fills.Honeycomb
+    | kirigami.RandomPolygons
     | DiscPiece
     | RectanglePiece
     | EllipsePiece
@@ -163,6 +173,13 @@ class DrawingOutline(OutlineShape, drawn.Drawing):
             except InputError as error:
                 raise drawn.told(error, self.file, "slit_select") from None
         return self
+
+    def wkb(self) -> bytes:
+        """What the drawing shows, slits included, as bytes that only change with it."""
+        import shapely
+
+        cuts: bytes = shapely.to_wkb(self.cuts(), byte_order=1)
+        return super().wkb() + cuts
 
     def cuts(self) -> MultiLineString:
         """The slits of the drawing and those of the design file [m]."""

@@ -149,12 +149,20 @@ class MeshSource(Section):
 
     Attributes:
         size: edge length of the mesh to make [m].
+        boundary_size: edge length at the boundaries of the pattern and along slits [m];
+            `size` by default.
+        growth: how fast edges grow from there, length per length.
+        symmetry: "auto" makes a mesh with all the symmetry that the design has, "mirror" and
+            "rotation" with that part of it.
         file: name of a mesh file in the folder of the design file.
         reference_file: name of a mesh file in the folder of reference data.
         unit: unit of length of the coordinates in the file.
     """
 
     size: Size | None = None
+    boundary_size: Size | None = None
+    growth: Annotated[Number, Field(gt=0, le=1)] = 0.3
+    symmetry: Literal["none", "auto", "mirror", "rotation"] = "none"
     file: FileName | None = None
     reference_file: FileName | None = None
     unit: Literal["um", "mm", "cm", "m", "in"] = "mm"
@@ -169,6 +177,20 @@ class MeshSource(Section):
             raise problem(f"{given[0]} and {given[1]} exclude each other; keep one", key=given[1])
         if given == ["size"] and "unit" in self.model_fields_set:
             raise problem("belongs to mesh files; size carries its own unit", key="unit")
+        for key in ("boundary_size", "growth", "symmetry"):
+            if self.size is None and key in self.model_fields_set:
+                raise problem("belongs to meshes made from their size", key=key)
+        if self.size is not None and self.boundary_size is not None:
+            if not self.size / 20 <= self.boundary_size <= self.size:
+                low, high = 1e3 * self.size / 20, 1e3 * self.size
+                raise problem(
+                    "does not go with the size",
+                    key="boundary_size",
+                    value=f"{1e3 * self.boundary_size:g} mm",
+                    allowed=f"{low:g} to {high:g} mm, a twentieth of the size up to the size",
+                )
+        elif "growth" in self.model_fields_set:
+            raise problem("belongs to boundary_size, which is not given", key="growth")
         return self
 
 

@@ -213,12 +213,27 @@ def rounded(shape: BaseGeometry, inner: float, outer: float) -> BaseGeometry:
     """
     import shapely
 
-    for radius in (inner, -outer):
-        if radius:
-            grown = shapely.buffer(shape, radius, quad_segs=CIRCLE_SEGMENTS // 4)
-            back = shapely.buffer(grown, -radius, quad_segs=CIRCLE_SEGMENTS // 4)
-            shape = shapely.simplify(back, 1e-4 * abs(radius))
+    if inner:
+        closed = _offset(_offset(shape, inner), -inner)
+        shape = shapely.union(shape, _specks_off(shapely.difference(closed, shape), inner))
+    if outer:
+        opened = _offset(_offset(shape, -outer), outer)
+        shape = shapely.difference(shape, _specks_off(shapely.difference(shape, opened), outer))
     return shape
+
+
+def _offset(shape: BaseGeometry, distance: float) -> BaseGeometry:
+    import shapely
+
+    return shapely.buffer(shape, distance, quad_segs=CIRCLE_SEGMENTS // 4)
+
+
+def _specks_off(shape: BaseGeometry, radius: float) -> BaseGeometry:
+    """A shape without the parts that are but the noise of offsetting by a radius and back."""
+    import shapely
+
+    parts = [part for part in shapely.get_parts(shape) if part.area > 1e-5 * radius**2]
+    return shapely.union_all(parts)
 
 
 def _with_unit(value: Any, suffix: str) -> Any:

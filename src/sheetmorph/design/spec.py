@@ -15,6 +15,7 @@ from pydantic import ValidationError
 from sheetmorph.core.errors import InputError
 from sheetmorph.core.files import write_text
 from sheetmorph.design import files, schema
+from sheetmorph.design.drawn import Drawing
 from sheetmorph.design.layout import find_inert_parts
 from sheetmorph.design.messages import to_input_error
 
@@ -24,6 +25,7 @@ if TYPE_CHECKING:
     from sheetmorph.design import outlines, sections
     from sheetmorph.design.layout import InertPart, Layout
     from sheetmorph.geometry.mesh import SheetMesh
+    from sheetmorph.geometry.symmetry import Symmetry
 
 _NOT_HASHED: dict[str, Any] = {
     "name": True,
@@ -105,6 +107,12 @@ class Design:
     def to_toml(self) -> str:
         """The design as TOML text, comments kept; `from_toml` reads it back."""
         return self.source
+
+    def to_portable_toml(self) -> str:
+        """The design as TOML text with polygons in the place of its drawings."""
+        from sheetmorph.design.portable import portable_text
+
+        return portable_text(self)
 
     def save(self, path: str | Path) -> None:
         """Write the design file, whole or not at all.
@@ -211,6 +219,22 @@ class Design:
         """The inert layers of the parts of the pattern, in the order of the layers."""
         return find_inert_parts(self.spec)
 
+    @cached_property
+    def symmetry(self) -> Symmetry:
+        """The symmetry that outline, slits and every part of the pattern have in common."""
+        from sheetmorph.geometry.symmetry import find_symmetry
+
+        layout = self.layout
+        shapes = [layout.sheet, *layout.parts.values(), layout.slits]
+        return find_symmetry([shape for shape in shapes if not shape.is_empty])
+
+    @property
+    def drawing_notes(self) -> tuple[str, ...]:
+        """What was closed, joined or left out when the drawings were read."""
+        shapes = [self.outline, *self.pattern]
+        notes = [note for shape in shapes if isinstance(shape, Drawing) for note in shape.notes()]
+        return tuple(dict.fromkeys(notes))
+
     def resolve_mesh_path(self) -> Path | None:
         """Path of the mesh file, or None when the mesh is made from its size.
 
@@ -257,7 +281,7 @@ class Design:
 
     @cached_property
     def hash(self) -> str:
-        """SHA-256 of the content: SI values and the bytes of the files it names.
+        """SHA-256 of the content: SI values, drawings, and the bytes of the other files it names.
 
         The name, the outputs, the limits of time and steps, comments, and the units in which
         a value is written do not change it.
@@ -267,9 +291,15 @@ class Design:
         """
         content: dict[str, Any] = self.spec.model_dump(mode="json", exclude=_NOT_HASHED)
         mesh = self.resolve_mesh_path()
-        content["mesh"] = {"size": self.spec.mesh.size, "unit": self.spec.mesh.unit}
+        for name in ("file", "reference_file"):
+            del content["mesh"][name]
         if mesh is not None:
             content["mesh"]["sha256"] = hashlib.sha256(mesh.read_bytes()).hexdigest()
+        tables = [content["outline"], *content["pattern"]]
+        for shape, table in zip([self.outline, *self.pattern], tables, strict=True):
+            if isinstance(shape, Drawing):
+                table["sha256"] = hashlib.sha256(shape.wkb()).hexdigest()
+                del table["file"]
         curve = self.actuation.shrink_curve
         if self.actuation.temperature is None:
             del content["actuation"]["shrink_curve"]

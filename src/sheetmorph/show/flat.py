@@ -9,6 +9,8 @@ import numpy as np
 
 from sheetmorph.geometry.mesh import Floats
 from sheetmorph.show import fields, style
+from sheetmorph.show.cells import painted_cells, triangle_colours
+from sheetmorph.show.numbers import where_text
 from sheetmorph.show.style import Sheet
 from sheetmorph.show.texture import rings_of
 
@@ -42,16 +44,14 @@ def write_design(result: Result, path: Path) -> Path:
     nodes, edges, triangles = mesh.counts
     sheet.title("Design", subtitle(result))
     corners = 1e3 * mesh.nodes[mesh.triangles, :2]
-    inside = result.triangle_in_pattern
-    for chosen, colour in ((~inside, style.FILM), (inside, style.BILAYER)):
-        axes.add_collection(
-            PolyCollection(
-                list(corners[chosen]),
-                facecolors=style.colour(colour),
-                edgecolors=(1.0, 1.0, 1.0, 0.55),
-                linewidths=0.5,
-            )
+    axes.add_collection(
+        PolyCollection(
+            list(corners),
+            facecolors=triangle_colours(result),
+            edgecolors=(1.0, 1.0, 1.0, 0.55),
+            linewidths=0.5,
         )
+    )
     _draw_outlines(axes, result)
     held = 1e3 * mesh.nodes[result.held_nodes]
     if len(held):
@@ -173,7 +173,9 @@ def _draw_outlines(axes: Axes, result: Result) -> None:
     rim = 1e3 * mesh.nodes[mesh.edges[~interior], :2]
     options: dict[str, Any] = {"colors": style.INK, "clip_on": False, "capstyle": "round"}
     axes.add_collection(LineCollection(list(rim), linewidths=1.6, **options))
-    rings = [1e3 * ring for ring, _hole in rings_of(result.design.pattern_polygon())]
+    rings = [
+        1e3 * ring for area in result.design.layout.parts.values() for ring, _hole in rings_of(area)
+    ]
     axes.add_collection(LineCollection(rings, linewidths=1.4, **options))
 
 
@@ -193,10 +195,10 @@ def _scale_bar(axes: Axes, nodes: Floats) -> None:
 def _design_legend(sheet: Sheet, result: Result, x: float, top: float) -> None:
     """Swatches of what is drawn, then the layers from the top down."""
     y = top - 12
-    for rgb, text in ((style.FILM, "film"), (style.BILAYER, "film and pattern")):
-        box = sheet.axes.add_patch(_swatch(x, y, rgb))
+    for cell in painted_cells(result)[:8]:
+        box = sheet.axes.add_patch(_swatch(x, y, cell.colour))
         box.set_zorder(3)
-        sheet.text(x + 32, y, text, va="center")
+        sheet.text(x + 32, y, style.shortened(cell.name, 26), va="center")
         y -= 34
     if len(result.held_nodes):
         sheet.axes.plot(
@@ -208,12 +210,11 @@ def _design_legend(sheet: Sheet, result: Result, x: float, top: float) -> None:
     sheet.text(x, y, "Layers, top to bottom", va="center", fontweight="bold")
     for layer in reversed(list(result.design.layers)):
         y -= 36
-        where = "in the pattern" if layer.where == "pattern" else "everywhere"
         sheet.text(x, y, style.shortened(layer.name, 28), va="center")
         sheet.text(
             x,
             y - 25,
-            f"{style.millimetres(layer.thickness)}, {layer.role}, {where}",
+            f"{style.millimetres(layer.thickness)}, {layer.role}, {where_text(layer)}",
             va="center",
             fontsize=style.SMALL,
             color=style.MUTED,

@@ -161,13 +161,20 @@ def layers_of(design: Any) -> list[dict[str, str]]:
         {
             "name": str(layer.name),
             "role": str(layer.role),
-            "where": "in the pattern" if layer.where == "pattern" else "everywhere",
+            "where": where_text(layer),
             "thickness": f"{1e3 * layer.thickness:.4g} mm",
             "modulus": f"{1e-6 * layer.young_modulus:.4g} MPa",
             "poisson": f"{layer.poisson_ratio:.3g}",
         }
         for layer in reversed(list(design.layers))
     ]
+
+
+def where_text(layer: Any) -> str:
+    """Where a layer lies, as people say it."""
+    if layer.where == "everywhere":
+        return "everywhere"
+    return "in the pattern" if layer.where == "pattern" else f"in {layer.where}"
 
 
 def _at(summary: Mapping[str, Any], path: str) -> Any:

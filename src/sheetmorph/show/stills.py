@@ -11,6 +11,7 @@ import numpy as np
 
 from sheetmorph.geometry.mesh import Floats
 from sheetmorph.show import fields, scene, style
+from sheetmorph.show.cells import PaintedCell, painted_cells
 from sheetmorph.show.flat import actuation_text, subtitle
 from sheetmorph.show.scene import Camera, Colours, Image, Job, View
 from sheetmorph.show.style import Sheet
@@ -27,6 +28,8 @@ HEAD, FOOT = 96, 60
 BESIDE = 160
 CELL_WIDTH = 300
 STATES = 4
+LEGEND_END = 560
+"""Where the last entry of a legend may begin [px]."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -80,9 +83,7 @@ class Plan:
 
 def base_job(result: Result, views: tuple[View, ...] = ()) -> Job:
     """A job with the textures of a result."""
-    uv, pictures = textures(
-        result.mesh, result.triangle_in_pattern, result.design.pattern_polygon()
-    )
+    uv, pictures = textures(result.mesh, result.regions.triangle_cell, painted_cells(result))
     return Job(result.mesh.triangles, uv, pictures, views)
 
 
@@ -199,7 +200,7 @@ def _write_shape(result: Result, image: Image, path: Path) -> Path:
     sheet = Sheet(WIDTH, height + HEAD + FOOT)
     sheet.image(image, 0, FOOT)
     sheet.title("Shape", subtitle(result, state_name(result)))
-    _legend(sheet, 24, 28)
+    _legend(sheet, 24, 28, painted_cells(result))
     span = np.ptp(result.positions[-1], axis=0)
     flat = np.ptp(result.mesh.nodes, axis=0)
     sizes = " × ".join(f"{1e3 * side:.1f}" for side in span)
@@ -214,7 +215,7 @@ def _write_measured(result: Result, view: View, image: Image, title: str, path: 
     sheet = Sheet(WIDTH, height + HEAD + FOOT)
     sheet.image(image, 0, FOOT)
     sheet.title(title, subtitle(result, state_name(result)))
-    _legend(sheet, 24, 28)
+    _legend(sheet, 24, 28, painted_cells(result))
     places = view.camera.project(view.points, view.size)[:, :2]
     low, high = places.min(axis=0), places.max(axis=0)
     left, right = float(low[0]), float(high[0])
@@ -282,14 +283,14 @@ def _write_overview(result: Result, plan: Plan, images: list[Image], path: Path)
     return sheet.save(path)
 
 
-def _legend(sheet: Sheet, x: float, y: float) -> None:
+def _legend(sheet: Sheet, x: float, y: float, cells: list[PaintedCell]) -> None:
     from matplotlib.patches import Rectangle
 
-    for pair, text in (
-        ((style.FILM, style.UNDER_FILM), "film"),
-        ((style.BILAYER, style.UNDER_BILAYER), "pattern"),
-    ):
-        for k, rgb in enumerate(pair):
+    for cell in cells:
+        if x > LEGEND_END:
+            break
+        text = style.shortened(cell.name.removeprefix("film + "), 24)
+        for k, rgb in enumerate((cell.colour, cell.under)):
             sheet.axes.add_patch(
                 Rectangle((x + 18 * k, y - 9), 18, 18, facecolor=style.colour(rgb), lw=0)
             )

@@ -26,7 +26,9 @@ HELD = "#c8102e"
 FILM = (245, 196, 92)
 BILAYER = (31, 111, 168)
 UNDER_FILM = (226, 215, 190)
-UNDER_BILAYER = (150, 180, 202)
+BOTTOM = (136, 84, 160)
+BALANCED = (38, 140, 118)
+"""Colours of the plan: film, pattern above it, below it, and on both faces; paler from below."""
 
 ANGLE_MAP = "viridis"
 STRAIN_MAP = "RdBu_r"

@@ -5,6 +5,7 @@ The pattern is drawn from its exact outline, so its rim is sharp on any mesh.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -12,10 +13,13 @@ from numpy.typing import NDArray
 
 from sheetmorph.geometry.mesh import Floats, SheetMesh
 from sheetmorph.show.scene import Image
-from sheetmorph.show.style import BILAYER, FILM, UNDER_BILAYER, UNDER_FILM
 
 if TYPE_CHECKING:
+    from PIL.Image import Image as PillowImage
     from PIL.ImageDraw import ImageDraw
+    from shapely.geometry.base import BaseGeometry
+
+    from sheetmorph.show.cells import PaintedCell
 
 SIDE = 800
 """Pixels along the longer side of a texture."""
@@ -56,42 +60,55 @@ class Patch:
 
 
 def textures(
-    mesh: SheetMesh, in_pattern: NDArray[np.bool_], pattern: Any
+    mesh: SheetMesh, triangle_cell: NDArray[np.intp], cells: Sequence[PaintedCell]
 ) -> tuple[Floats, tuple[Image, ...]]:
     """Textures of a sheet.
 
     Args:
         mesh: the flat sheet.
-        in_pattern: triangles in the pattern, shape (T,).
-        pattern: the pattern as a polygon of shapely [m], or None or empty when only the
-            triangles are known.
+        triangle_cell: index of the cell in which each triangle lies, shape (T,).
+        cells: what to paint, the film first; a cell without area is painted triangle by
+            triangle.
 
     Returns:
-        The places of the nodes in the textures, shape (V, 2), and the textures: the two
-        regions seen from above, the same from below, only the outline of the pattern, and
-        plain white.
+        The places of the nodes in the textures, shape (V, 2), and the textures: the cells
+        seen from above, the same from below, only their outlines, and plain white.
     """
     from PIL import Image as Pillow
     from PIL import ImageDraw
 
     patch = Patch(mesh)
     size = (patch.size[0] * _FINE, patch.size[1] * _FINE)
-    rings = rings_of(pattern)
     images = []
-    for film, bilayer in ((FILM, BILAYER), (UNDER_FILM, UNDER_BILAYER), (None, None)):
-        picture = Pillow.new("RGB", size, film or (255, 255, 255))
+    for side, ink in (("colour", (40, 52, 64)), ("under", (105, 120, 134)), ("", (20, 20, 20))):
+        paper = getattr(cells[0], side) if side else (255, 255, 255)
+        picture = Pillow.new("RGB", size, paper)
         pen = ImageDraw.Draw(picture)
-        if film and bilayer:
-            for ring, hole in rings:
-                pen.polygon(patch.pixels(ring), fill=film if hole else bilayer)
-            if not rings:
-                for corners in mesh.nodes[mesh.triangles[in_pattern]]:
-                    pen.polygon(patch.pixels(corners), fill=bilayer)
-        ink = (40, 52, 64) if film is FILM else (105, 120, 134) if film else (20, 20, 20)
-        _outline(pen, patch, mesh, [ring for ring, _ in rings], ink)
+        for index, cell in enumerate(cells):
+            if index == 0 or not side:
+                continue
+            if cell.area.is_empty:
+                for corners in mesh.nodes[mesh.triangles[triangle_cell == index]]:
+                    pen.polygon(patch.pixels(corners), fill=getattr(cell, side))
+            else:
+                picture.paste(getattr(cell, side), mask=_mask(patch, size, cell.area))
+        rings = [ring for cell in cells[1:] for ring, _ in rings_of(cell.area)]
+        _outline(pen, patch, mesh, rings, ink)
         images.append(np.asarray(picture.reduce(_FINE)))
     plain = np.full((2, 2, 3), 255, dtype=np.uint8)
     return patch.uv(mesh.nodes), (*images, plain)
+
+
+def _mask(patch: Patch, size: tuple[int, int], area: BaseGeometry) -> PillowImage:
+    """White where an area lies, its holes left black."""
+    from PIL import Image as Pillow
+    from PIL import ImageDraw
+
+    mask = Pillow.new("L", size, 0)
+    pen = ImageDraw.Draw(mask)
+    for ring, hole in rings_of(area):
+        pen.polygon(patch.pixels(ring), fill=0 if hole else 255)
+    return mask
 
 
 def _outline(
@@ -110,12 +127,17 @@ def _outline(
 
 
 def rings_of(pattern: Any) -> list[tuple[Floats, bool]]:
-    """Rings of a polygon or several, each with whether it is a hole, shells first."""
+    """Rings of a polygon or several, each with whether it is a hole.
+
+    What lies within a ring comes after it.
+    """
+    import shapely
+
     if pattern is None or pattern.is_empty:
         return []
     parts = [part for part in getattr(pattern, "geoms", [pattern]) if part.geom_type == "Polygon"]
     rings = []
-    for part in sorted(parts, key=lambda part: -part.area):
+    for part in sorted(parts, key=lambda part: -shapely.Polygon(part.exterior).area):
         rings.append((np.asarray(part.exterior.coords), False))
         rings.extend((np.asarray(hole.coords), True) for hole in part.interiors)
     return rings

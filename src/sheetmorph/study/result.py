@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from sheetmorph.core.errors import InputError
 from sheetmorph.core.files import write_text
+from sheetmorph.design.regions import Regions, regions
 from sheetmorph.design.spec import Design
 from sheetmorph.geometry import surface
 from sheetmorph.geometry.mesh import Floats, SheetMesh
@@ -117,6 +118,11 @@ class Result:
     def status(self) -> str:
         """How the run ended, such as "completed"; see `sheetmorph.solve.path.Status`."""
         return str(self.summary["status"])
+
+    @cached_property
+    def regions(self) -> Regions:
+        """In which cell of the plan each edge, triangle, hinge and node lies."""
+        return regions(self.design, self.mesh)
 
     @cached_property
     def actuation(self) -> Floats:

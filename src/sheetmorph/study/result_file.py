@@ -62,7 +62,7 @@ def write_result(result: Result, path: Path) -> None:
                 file.attrs["version"] = result.summary["version"]
                 file.attrs["design_hash"] = result.summary["design_hash"]
                 file.attrs["solver"] = result.summary["solver"]
-                file.create_dataset("design", data=result.design.to_toml())
+                file.create_dataset("design", data=result.design.to_portable_toml())
                 file.create_dataset("summary", data=json.dumps(result.summary))
                 for name in _MESH:
                     _write(file, f"mesh/{name}", getattr(result.mesh, name))

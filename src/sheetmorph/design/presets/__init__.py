@@ -1,4 +1,4 @@
-"""Designs to begin with: the three of the paper on meshes made here, and a blank one."""
+"""Designs to begin with: the three of the paper on meshes made here, random ones, a blank one."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from importlib import resources
 from sheetmorph.core.errors import InputError, nearest
 from sheetmorph.design.fields import MAX_NAME, NAME_ALLOWED, NAME_PATTERN
 
-PRESETS = ("bowl", "canoe", "petals", "blank")
+PRESETS = ("bowl", "canoe", "petals", "kirigami", "blank")
 
 
 def preset_text(preset: str, name: str | None = None) -> str:

@@ -1,0 +1,1 @@
+"""Flat drawings of makers: reading them as areas and lines, and writing them."""

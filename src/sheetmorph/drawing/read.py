@@ -1,0 +1,100 @@
+"""Reading drawings: from the ending of a file to its reader."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from pathlib import Path
+from types import MappingProxyType
+
+from sheetmorph.core.errors import InputError, nearest
+from sheetmorph.drawing.dxf import read_dxf
+from sheetmorph.drawing.model import Drawing
+from sheetmorph.drawing.request import UNITS, Contents, Request, check_extent, unit_name
+from sheetmorph.drawing.solid import read_3mf, read_stl
+from sheetmorph.drawing.svg import read_svg
+
+MAX_BYTES = 20 * 2**20
+
+READERS: dict[str, Callable[[bytes, Request], tuple[Contents, float]]] = {
+    ".dxf": read_dxf,
+    ".svg": read_svg,
+    ".stl": read_stl,
+    ".3mf": read_3mf,
+}
+
+
+def read_drawing(
+    path: str | Path, *, unit: str | None = None, flatness: float = 5e-6, gap: float = 1e-5
+) -> Drawing:
+    """Read a flat drawing from a file; the ending says which format it has.
+
+    `.dxf`: the layers of the model space. `.svg`: elements by id, label, class and colour;
+    the origin is the lower left corner of the page, y is upward, so that
+    y = page height − (user y). `.stl` and `.3mf`: the plan of a flat surface or a plate,
+    as seen from above. A file is never read beyond itself: links and references to other
+    files are left out.
+
+    Args:
+        path: the file, at most 20 MB.
+        unit: what a unit of the file is; by default what the file says (DXF, 3MF), a user
+            unit of the page (SVG), millimetres (STL).
+        flatness: how far a chord may be from the curve it stands for [m].
+        gap: the widest gap between ends of lines that is closed [m].
+
+    Returns:
+        The drawing in metres, with notes of what was mended and left out.
+
+    Raises:
+        InputError: the file cannot be read; names the file, and coordinates in mm.
+    """
+    file = Path(path)
+    ending = file.suffix.lower()
+    if ending not in READERS:
+        hint = nearest(ending, READERS)
+        raise InputError(
+            "no such format of drawings" + (f"; did you mean {hint}?" if hint else ""),
+            file=file,
+            value=ending or "no ending",
+            allowed=", ".join(READERS),
+        )
+    if unit is not None and unit not in UNITS:
+        raise InputError("no such unit", key="unit", value=unit, allowed=", ".join(UNITS))
+    for name, value, least, most in (("flatness", flatness, 1e-8, 1e-3), ("gap", gap, 0.0, 1e-2)):
+        if not (math.isfinite(value) and least <= value <= most):
+            raise InputError(
+                "is out of bounds", key=name, value=value, allowed=f"{least:g} to {most:g} m"
+            )
+    request = Request(unit, flatness, gap)
+    try:
+        contents, length = READERS[ending](_content(file), request)
+        check_extent(contents.items, length)
+    except InputError as error:
+        raise error.located(file) from error.__cause__
+    except OSError as error:
+        raise InputError(f"cannot be read ({error.strerror or error})", file=file) from error
+    except (MemoryError, RecursionError) as error:
+        raise InputError("the drawing is too large or too deeply nested", file=file) from error
+    return Drawing(
+        items=tuple(contents.items),
+        layers=MappingProxyType(contents.layers),
+        notes=request.notes.texts,
+        unit=unit_name(length),
+        gap=gap,
+        flatness=flatness,
+        file=str(file),
+    )
+
+
+def _content(file: Path) -> bytes:
+    if not file.exists():
+        raise InputError("there is no such file")
+    if not file.is_file():
+        raise InputError("is not a file")
+    with file.open("rb") as stream:
+        data = stream.read(MAX_BYTES + 1)
+    if not data:
+        raise InputError("the file is empty")
+    if len(data) > MAX_BYTES:
+        raise InputError("the file is too large", allowed=f"≤ {MAX_BYTES // 2**20} MB")
+    return data
