@@ -158,7 +158,10 @@ def test_faces_of_hinges_follow_the_nearest_part():
     balanced = design_of(rectangle(6, 30), inert("b", "pattern") + LAYERS + inert("a", "pattern"))
     mesh = balanced.build_mesh()
     assert stack_of(balanced, ["pattern"]).face == 0
-    assert (hinge_face(mesh, regions(balanced, mesh)) == 1).all()
+    assert (hinge_face(mesh, regions(balanced, mesh)) == 0).all()
+    bare = design_of("", LAYERS)
+    mesh = bare.build_mesh()
+    assert (hinge_face(mesh, regions(bare, mesh)) == 1).all()
 
 
 def test_overlay_partitions_the_plane():

@@ -165,29 +165,27 @@ def hinge_face(mesh: SheetMesh, region: Regions) -> NDArray[np.int8]:
     """On which face of the film the inert layers at or next to each hinge lie, shape (H,).
 
     1 for the top, −1 for the bottom, 0 where they balance. A hinge in the film takes the face
-    of the nearest cell of the pattern, and 0 where two faces are equally near (to a millionth
-    of the size of the sheet). A sheet turned over so gets the mirrored shape. Without a
-    pattern, or where it balances everywhere, all are 1.
+    of the nearest cell of the pattern, and 0 where cells of different faces are equally near
+    (to a millionth of the size of the sheet). A sheet turned over so gets the mirrored shape.
+    Without a pattern all are 1.
     """
     faces = np.array([cell.stack.face for cell in region.cells], dtype=np.int8)
-    count = len(mesh.hinges)
-    if not faces[1:].any():
-        return np.ones(count, dtype=np.int8)
+    if len(faces) == 1:
+        return np.ones(len(mesh.hinges), dtype=np.int8)
     found = faces[region.hinge_cell]
     alone = np.flatnonzero(region.hinge_cell == 0)
-    if (faces[1:] == faces[1]).all():
-        found[alone] = faces[1]
+    kinds = np.unique(faces[1:])
+    if len(kinds) == 1:
+        found[alone] = kinds[0]
         return found
     points = mesh.edge_midpoints[mesh.hinge_edges[alone, 0]]
-    away = np.full((2, len(alone)), np.inf)
+    away = np.full((len(kinds), len(alone)), np.inf)
     for cell, face in zip(region.cells[1:], faces[1:], strict=True):
-        distance = distance_to_boundary(cell.area, points)
-        for side, row in ((1, 0), (-1, 1)):
-            if face == side:
-                away[row] = np.minimum(away[row], distance)
-    nearer = away[1] - away[0]
-    nearer[np.abs(nearer) <= 1e-6 * mesh.size] = 0.0
-    found[alone] = np.sign(nearer)
+        row = np.searchsorted(kinds, face)
+        away[row] = np.minimum(away[row], distance_to_boundary(cell.area, points))
+    nearest = np.sort(away, axis=0)
+    tied = nearest[1] - nearest[0] <= 1e-6 * mesh.size
+    found[alone] = np.where(tied, 0, kinds[away.argmin(axis=0)])
     return found
 
 
