@@ -149,11 +149,15 @@ def test_help_has_an_example(command: list[str], capsys: pytest.CaptureFixture[s
     assert "Example" in text or "Start here" in text
 
 
-def test_the_presets_are_those_of_the_design_package() -> None:
-    from sheetmorph import cli
-    from sheetmorph.design.presets import PRESETS
+def test_choices_are_those_of_the_packages_that_make_them() -> None:
+    from sheetmorph.cli.fabricate import PAPERS, PRINTERS
+    from sheetmorph.cli.new import PRESETS
+    from sheetmorph.design import presets
+    from sheetmorph.fabricate import options, printer
 
-    assert cli.PRESETS == PRESETS
+    assert presets.PRESETS == PRESETS
+    assert tuple(options.PAPERS) == PAPERS
+    assert tuple(printer.PROFILES) == PRINTERS
 
 
 def test_help_imports_nothing_heavy() -> None:

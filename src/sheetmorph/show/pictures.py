@@ -70,6 +70,32 @@ def compose(result: Result, folder: Path, plan: stills.Plan, images: Iterator[Im
     return sorted(paths, key=lambda path: NAMES.index(path.name))
 
 
+def shape_png(result: Result, size: tuple[int, int] = (900, 620)) -> bytes:
+    """The final shape alone, without words, as a PNG file.
+
+    Args:
+        result: what was computed.
+        size: width and height [px].
+
+    Raises:
+        ComputationError: SHEETMORPH_RENDERER=vtk, and VTK does not draw.
+    """
+    import io
+
+    from PIL import Image as Pillow
+
+    from sheetmorph.show import scene, stills
+
+    final = result.positions[-1]
+    camera = scene.perspective().fitted(final, size, 0.05)
+    view = scene.View(final, stills.white(len(final)), stills.SHAPE_COLOURS, camera, size)
+    with RenderWorker.start() as painter:
+        (image,) = painter.draw(stills.base_job(result, (view,)))
+    stream = io.BytesIO()
+    Pillow.fromarray(image).save(stream, format="PNG", optimize=True)
+    return stream.getvalue()
+
+
 @contextmanager
 def borrowed(worker: RenderWorker | None) -> Iterator[RenderWorker]:
     """The worker that was given, or one of our own for as long as it is needed."""

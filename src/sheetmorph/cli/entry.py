@@ -1,0 +1,73 @@
+"""The program `sheetmorph`: its commands, and what becomes of their errors."""
+
+from __future__ import annotations
+
+import sys
+
+import click
+
+from sheetmorph import __version__
+from sheetmorph.cli.check import check
+from sheetmorph.cli.fabricate import fabricate
+from sheetmorph.cli.new import new
+from sheetmorph.cli.run import run
+from sheetmorph.core.errors import SheetmorphError
+
+
+@click.group(context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 100})
+@click.version_option(__version__, "-V", "--version", prog_name="sheetmorph")
+def cli() -> None:
+    """Predict the 3D shape into which a flat, patterned, layered sheet morphs.
+
+    \b
+    Start here:
+      sheetmorph new bowl --preset bowl     write bowl.toml, a commented design
+      sheetmorph check bowl.toml            see what would be computed
+      sheetmorph run bowl.toml -o bowl      compute it, with pictures and a report
+      sheetmorph fabricate bowl.toml        write the files to print, cut and glue it
+    """
+
+
+for _command in (new, check, run, fabricate):
+    cli.add_command(_command)
+
+
+def main(arguments: list[str] | None = None) -> int:
+    """Run the command line.
+
+    Args:
+        arguments: as typed after `sheetmorph`; those of the process by default.
+
+    Returns:
+        The exit code: 0, 1 for a computation that failed, 2 for bad input, 130 when
+        interrupted.
+    """
+    try:
+        code = cli.main(arguments, prog_name="sheetmorph", standalone_mode=False)
+    except SheetmorphError as error:
+        return _fail(str(error), error.exit_code)
+    except click.exceptions.Abort as error:
+        return _fail(str(error) or "interrupted; add --resume to go on", 130)
+    except click.ClickException as error:
+        context = getattr(error, "ctx", None)
+        help_of = context.command_path if context is not None else "sheetmorph"
+        return _fail(f"{error.format_message()} (see {help_of} --help)", 2)
+    except KeyboardInterrupt:
+        return _fail("interrupted; add --resume to go on", 130)
+    except MemoryError:
+        return _fail("out of memory; use a larger mesh.size", 1)
+    except BrokenPipeError:
+        # The reader of our output has gone (as in `| head`); nothing is left to tell.
+        sys.stderr.close()
+        return 1
+    return code if isinstance(code, int) else 0
+
+
+def script() -> None:
+    """Entry point of the `sheetmorph` program."""
+    sys.exit(main())
+
+
+def _fail(message: str, code: int) -> int:
+    click.echo(f"sheetmorph: {' '.join(message.split())}", err=True)
+    return code

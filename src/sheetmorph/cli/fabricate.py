@@ -1,0 +1,188 @@
+"""The command `fabricate`."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+from sheetmorph.cli.shared import ProgressBar, design_file, load_design, naming, set_values
+from sheetmorph.core.errors import ComputationError, InputError
+
+if TYPE_CHECKING:
+    from sheetmorph.core.events import Listener
+    from sheetmorph.design.spec import Design
+    from sheetmorph.fabricate.options import Prediction
+    from sheetmorph.study.result import Result
+
+# As in fabricate.printer and fabricate.options, which --help must not import.
+PRINTERS = ("generic-0.4", "bambu-p1s", "prusa-mk4")
+PAPERS = ("a4", "letter")
+
+
+@click.command()
+@design_file
+@click.option(
+    "-o", "--output", metavar="DIR", help="Folder for the files. Default: fabricate/NAME."
+)
+@set_values
+@click.option(
+    "--printer",
+    type=click.Choice(PRINTERS),
+    default=PRINTERS[0],
+    show_default=True,
+    help="Profile of the 3D printer.",
+)
+@click.option("--nozzle", metavar="LENGTH", help='Width of its nozzle, such as "0.6 mm".')
+@click.option("--bed", metavar="W,D", help='Width and depth of its bed, such as "180 mm, 180 mm".')
+@click.option("--layer-height", metavar="LENGTH", help="Height of its layers.")
+@click.option("--minimum-feature", metavar="LENGTH", help="Narrowest rib that it prints well.")
+@click.option("--kerf", metavar="LENGTH", help='Width of the cut, such as "0.15 mm". Default: 0.')
+@click.option("--copies", type=int, default=1, show_default=True, help="Sheets to nest on stock.")
+@click.option("--stock", metavar="W,H", help='Size of the stock, such as "300 mm, 200 mm".')
+@click.option("--spacing", metavar="LENGTH", help="Between nested sheets. Default: 2 mm.")
+@click.option(
+    "--paper", "papers", type=click.Choice(PAPERS), multiple=True, help="Of the template [both]."
+)
+@click.option("--result", "result_folder", metavar="DIR", help="Take the shape from this run.")
+@click.option("--no-prediction", is_flag=True, help="Do not compute the shape.")
+@click.option("--force", is_flag=True, help="Replace the files that are in the folder.")
+@click.option("-q", "--quiet", is_flag=True, help="Print nothing but errors.")
+@click.option("--json", "as_json", is_flag=True, help="Print what was written as JSON.")
+def fabricate(
+    file: Path,
+    output: str | None,
+    overrides: tuple[str, ...],
+    printer: str,
+    nozzle: str | None,
+    bed: str | None,
+    layer_height: str | None,
+    minimum_feature: str | None,
+    kerf: str | None,
+    copies: int,
+    stock: str | None,
+    spacing: str | None,
+    papers: tuple[str, ...],
+    result_folder: str | None,
+    no_prediction: bool,
+    force: bool,
+    quiet: bool,
+    as_json: bool,
+) -> None:
+    """Write the files that make the design FILE: to print, to cut, to glue, to bake.
+
+    The folder receives parts/ (3MF and STL of the inert parts), cut/ (DXF and SVG of sheet and
+    pattern), a 1:1 template as PDF, and assembly.html and .pdf with the steps.
+
+    \b
+    Examples:
+      sheetmorph fabricate bowl.toml -o parts
+      sheetmorph fabricate bowl.toml --printer prusa-mk4 --kerf "0.15 mm"
+      sheetmorph fabricate bowl.toml --copies 4 --stock "300 mm, 200 mm"
+    """
+    from sheetmorph.fabricate.options import FabricationOptions
+    from sheetmorph.fabricate.package import fabricate_design
+    from sheetmorph.fabricate.printer import find_profile
+
+    design = load_design(file, overrides)
+    if output is not None and not output.strip():
+        raise InputError("-o wants a folder, such as parts", value=output)
+    folder = Path(output) if output is not None else Path("fabricate") / file.stem
+    bed_width, bed_depth = _pair(bed, "--bed")
+    stock_width, stock_height = _pair(stock, "--stock")
+    options = FabricationOptions(
+        printer=find_profile(
+            printer,
+            nozzle_width=_length(nozzle, "--nozzle"),
+            bed_width=bed_width,
+            bed_depth=bed_depth,
+            minimum_feature=_length(minimum_feature, "--minimum-feature"),
+            layer_height=_length(layer_height, "--layer-height"),
+        ),
+        kerf=_length(kerf, "--kerf") or 0.0,
+        copies=copies,
+        stock_width=stock_width,
+        stock_height=stock_height,
+        **({} if spacing is None else {"spacing": _length(spacing, "--spacing") or 0.0}),
+        papers=papers or PAPERS,
+    )
+    with ProgressBar(quiet or as_json) as listener, naming(file):
+        prediction = None if no_prediction else _predicted(design, result_folder, listener)
+        package = fabricate_design(
+            design, folder, options=options, prediction=prediction, force=force, on_event=listener
+        )
+    if as_json:
+        told = {
+            "folder": str(package.folder),
+            "files": [str(path.relative_to(package.folder)) for path in package.files],
+            "warnings": list(package.warnings),
+        }
+        click.echo(json.dumps(told, indent=2, ensure_ascii=False))
+    elif not quiet:
+        for warning in package.warnings:
+            click.echo(f"warning: {warning}", err=True)
+        click.echo(
+            f"{design.name}: {len(package.files)} files in {package.folder} (open assembly.html)"
+        )
+
+
+def _predicted(design: Design, folder: str | None, listener: Listener) -> Prediction:
+    """The shape that the design takes: computed, or from a run of the same design."""
+    from sheetmorph.fabricate.options import Prediction
+    from sheetmorph.show.pictures import shape_png
+
+    try:
+        result = _result_of(design, folder, listener)
+    except ComputationError as error:
+        return Prediction(0.0, 0.0, 0.0, 0.0, "failed", False, None, str(error))
+    summary = result.summary
+    width, depth, height = summary["bbox_m"]
+    done = result.status == "completed"
+    return Prediction(
+        width=width,
+        depth=depth,
+        height=height,
+        aspect_ratio=summary["aspect_ratio"],
+        status=result.status,
+        stable=bool(summary["stable"]),
+        picture_png=shape_png(result),
+        note="" if done else f"{summary['detail']}; {summary['remedy']}",
+    )
+
+
+def _result_of(design: Design, folder: str | None, listener: Listener) -> Result:
+    if folder is None:
+        from sheetmorph.study.simulate import simulate
+
+        return simulate(design, on_event=listener)
+    from sheetmorph.study.result import Result
+
+    result = Result.load(folder)
+    if result.summary["design_hash"] != design.hash:
+        raise InputError(
+            "this run is of another design; run the design again, or leave out --result",
+            file=folder,
+        )
+    return result
+
+
+def _length(text: str | None, option: str) -> float | None:
+    from sheetmorph.core.units import to_si
+
+    if text is None:
+        return None
+    try:
+        return to_si(text.strip(), "length")
+    except InputError as error:
+        raise InputError(error.message, key=option, value=text, allowed='"0.2 mm"') from None
+
+
+def _pair(text: str | None, option: str) -> tuple[float | None, float | None]:
+    if text is None:
+        return None, None
+    parts = text.split(",")
+    if len(parts) != 2:
+        raise InputError("wants two lengths", key=option, value=text, allowed='"300 mm, 200 mm"')
+    return _length(parts[0], option), _length(parts[1], option)

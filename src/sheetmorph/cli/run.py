@@ -1,0 +1,97 @@
+"""The command `run`."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from time import perf_counter
+from typing import Any
+
+import click
+
+from sheetmorph.cli.shared import ProgressBar, design_file, load_design, naming, set_values
+from sheetmorph.core.errors import InputError, SheetmorphError
+
+STARTED = perf_counter()
+
+
+@click.command()
+@design_file
+@click.option(
+    "-o",
+    "--output",
+    metavar="DIR",
+    help="Folder for the results. Default: results/NAME.",
+)
+@set_values
+@click.option("--resume", is_flag=True, help="Go on with a run that was cut off in this folder.")
+@click.option("--force", is_flag=True, help="Replace the results that are in the folder.")
+@click.option("-q", "--quiet", is_flag=True, help="Print nothing but errors.")
+@click.option("--json", "as_json", is_flag=True, help="Print the summary as JSON, nothing else.")
+def run(
+    file: Path,
+    output: str | None,
+    overrides: tuple[str, ...],
+    resume: bool,
+    force: bool,
+    quiet: bool,
+    as_json: bool,
+) -> None:
+    """Compute the shape of the design FILE and write a folder of results.
+
+    The folder receives result.h5 (every state), summary.json, shape.stl, a series for
+    ParaView, pictures, an animation and report.html.
+
+    \b
+    Examples:
+      sheetmorph run bowl.toml -o results/bowl
+      sheetmorph run bowl.toml --set actuation.eps_pre=-0.3 --set mesh.size="2 mm"
+      sheetmorph run bowl.toml -o results/bowl --resume
+    """
+    design = load_design(file, overrides)
+    if output is not None and not output.strip():
+        raise InputError("-o wants a folder, such as results/bowl", value=output)
+    folder = Path(output) if output is not None else Path("results") / file.stem
+    silent = quiet or as_json
+    with ProgressBar(silent) as listener, naming(file):
+        from sheetmorph.show.outputs import run_design
+
+        result, notes = run_design(
+            design, folder, resume=resume, force=force, on_event=listener, started=STARTED
+        )
+    if as_json:
+        click.echo(json.dumps(result.summary, indent=2, ensure_ascii=False))
+    elif not quiet:
+        _tell(result.summary, folder, [*design.drawing_notes, *notes])
+    if result.status == "interrupted":
+        raise click.exceptions.Abort(
+            f"interrupted after {len(result.positions) - 1} states; add --resume to go on"
+        )
+    if result.status != "completed":
+        raise SheetmorphError(
+            f"{file}: the run ended as {result.status} ({result.summary['detail']}): "
+            f"{result.summary['remedy']}"
+        )
+
+
+def _tell(summary: dict[str, Any], folder: Path, notes: list[str]) -> None:
+    """The result in a few lines."""
+    for note in notes:
+        click.echo(f"note: {note}", err=True)
+    if summary["status"] == "interrupted":
+        return
+    width, depth, height = (1e3 * value for value in summary["bbox_m"])
+    stable = "stable" if summary["stable"] else f"{summary['negative_pivots']} negative pivots"
+    seconds = summary["seconds"]
+    click.echo(
+        f"{summary['name']}: {summary['status']} at {100 * summary['actuation_reached']:.0f} % of "
+        f"eps_pre {summary['eps_pre']:g}, {stable}\n"
+        f"  size       {width:.1f} × {depth:.1f} × {height:.1f} mm, "
+        f"h/d {summary['aspect_ratio']:.3f}\n"
+        f"  mesh       {summary['nodes']} nodes, {summary['triangles']} triangles\n"
+        f"  solve      {seconds['total']:.2f} s, {summary['factorisations']} factorisations by "
+        f"{summary['solver']}, {summary['states']} states\n"
+        f"  everything {seconds['wall']:.1f} s\n"
+        f"results in {folder}{'/' if not str(folder).endswith('/') else ''}"
+        f"{' (open report.html)' if (folder / 'report.html').is_file() else ''}"
+    )

@@ -1,0 +1,92 @@
+"""What the commands have in common: the design they read, the progress they show."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from sheetmorph.core.errors import InputError
+
+if TYPE_CHECKING:
+    from sheetmorph.core.events import Event, Listener
+    from sheetmorph.design.spec import Design
+
+design_file = click.argument("file", type=click.Path(path_type=Path))
+set_values = click.option(
+    "--set",
+    "overrides",
+    multiple=True,
+    metavar="KEY=VALUE",
+    help="Override a key of the design, such as actuation.eps_pre=-0.3. May be repeated.",
+)
+
+
+def load_design(file: Path, overrides: tuple[str, ...]) -> Design:
+    """The design of a file with the values that --set gives."""
+    from sheetmorph.design.spec import Design
+
+    design = Design.load(file)
+    values: dict[str, object] = {}
+    for text in overrides:
+        key, equals, value = text.partition("=")
+        if not equals or not key.strip():
+            raise InputError("--set wants KEY=VALUE, such as actuation.eps_pre=-0.3", value=text)
+        values[key.strip()] = value.strip()
+    return design.with_values(values) if values else design
+
+
+@contextmanager
+def naming(file: Path) -> Iterator[None]:
+    """Name the design file in errors about one of its keys that name no file."""
+    try:
+        yield
+    except InputError as error:
+        names_key = error.key is not None and not error.key.startswith("SHEETMORPH_")
+        raise (error.located(file) if names_key else error) from None
+
+
+class ProgressBar:
+    """A progress bar on the terminal, fed by events; nothing when silenced or piped."""
+
+    def __init__(self, silent: bool) -> None:
+        self._shown = not silent and sys.stderr.isatty()
+        self._bar: Any = None
+        self._task: Any = None
+
+    def __enter__(self) -> Listener:
+        if not self._shown:
+            from sheetmorph.core.events import silent
+
+            return silent
+        from rich.console import Console
+        from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
+
+        self._bar = Progress(
+            TextColumn("{task.fields[title]}", markup=False),
+            BarColumn(),
+            TextColumn("{task.percentage:>3.0f} %"),
+            TimeElapsedColumn(),
+            TextColumn("{task.description}", markup=False),
+            console=Console(stderr=True),
+            transient=True,
+        )
+        self._bar.start()
+        self._task = self._bar.add_task("meshing", total=1.0, title="sheetmorph")
+        return self._listen
+
+    def __exit__(self, *error: object) -> None:
+        if self._bar is not None:
+            self._bar.stop()
+
+    def _listen(self, event: Event) -> None:
+        from sheetmorph.core.events import Progress, Started
+
+        if isinstance(event, Started):
+            self._bar.update(self._task, title=event.title)
+        elif isinstance(event, Progress):
+            self._bar.update(self._task, completed=event.fraction, description=event.text)
