@@ -8,20 +8,28 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.spatial import cKDTree
 
+from sheetmorph.geometry.joints import (
+    CORNER,
+    GRID,
+    MERGE,
+    arc_lengths,
+    closed_slivers,
+    lies_on,
+    merged_places,
+    turns,
+)
 from sheetmorph.geometry.mesh import Floats
+from sheetmorph.geometry.plan import Plan
+from sheetmorph.geometry.sizing import SizeField, UniformSize
 from sheetmorph.geometry.triangulate import Indices
 
 if TYPE_CHECKING:
-    from shapely import Geometry, Polygon
+    from shapely import Geometry
 
 # All lengths here are in units of the wanted edge length.
-CORNER = np.radians(25.0)  # a vertex that turns more than this is kept exactly
 CHORD = 0.1  # corners that stand out less than this are noise of the polyline
 SAGITTA = 0.05  # chords leave a curve by no more than this
-MERGE = 0.3  # corners and junctions closer than this become one node
-GRID = 1e-7  # outline and pattern are noded on this grid, so that shared edges coincide
 
 
 @dataclass(frozen=True, eq=False)
@@ -35,6 +43,9 @@ class Curves:
         knots: arc length of the polyline vertices, increasing, shape (N,).
         vertices: positions of the polyline vertices, shape (N, 2).
         turning: total angle by which each curve turns [rad], shape (C,).
+        measure: ∫ ds/h along the axis at the vertices, shape (N,).
+        locked: curves whose points never slide, shape (C,).
+        cut: curves along slits, shape (C,).
     """
 
     nodes: Floats
@@ -43,43 +54,45 @@ class Curves:
     knots: Floats
     vertices: Floats
     turning: Floats
+    measure: Floats
+    locked: NDArray[np.bool_]
+    cut: NDArray[np.bool_]
 
     def at(self, stations: Floats) -> Floats:
         """Positions at arc lengths, shape (..., 2)."""
         return np.stack([np.interp(stations, self.knots, self.vertices[:, k]) for k in (0, 1)], -1)
 
+    def measured(self, stations: Floats) -> Floats:
+        """How many wanted edges fit on the axis before each arc length."""
+        if self.measure is self.knots:
+            return stations
+        return np.interp(stations, self.knots, self.measure)
 
-@dataclass(frozen=True, eq=False)
-class Sampling:
-    """Nodes and segments on the boundary curves.
-
-    Attributes:
-        points: positions; the first K are the fixed nodes of the curves, shape (B, 2).
-        segments: point indices, shape (M, 2).
-        stations: arc length of the points that may slide, shape (B,); NaN for fixed ones.
-        along: the points before and after each point that may slide, shape (B, 2).
-    """
-
-    points: Floats
-    segments: Indices
-    stations: Floats
-    along: Indices
+    def stations(self, measure: Floats) -> Floats:
+        """Arc length at each measure."""
+        if self.measure is self.knots:
+            return measure
+        return np.interp(measure, self.measure, self.knots)
 
 
-def trace(outline: Polygon, pattern: Geometry) -> Curves:
-    """Curves that the boundaries of outline and pattern make together.
+def trace(plan: Plan, size: SizeField) -> Curves:
+    """Curves that the lines of a plan make together.
 
-    Both boundaries are noded together first, so that curves meet only at their ends; then
-    they are split at corners, and corners and junctions closer than `MERGE` become one.
+    All lines are noded together first, so that curves meet only at their ends; then they
+    are split at corners, and corners and junctions closer than `MERGE` become one. Slits
+    and straight locked lines keep their ends and their course.
     """
     import shapely
 
-    rings = [outline.boundary] if pattern.is_empty else [outline.boundary, pattern.boundary]
+    rings = [plan.outline.boundary]
+    rings += [region.boundary for region in plan.regions if not region.is_empty]
+    rings += [] if plan.slits.is_empty else [plan.slits]
     noded = shapely.unary_union([ring.simplify(1e-9) for ring in rings], grid_size=GRID)
     lines = [shapely.get_coordinates(line) for line in shapely.get_parts(shapely.line_merge(noded))]
     tips = np.array([end for line in lines if not _closed(line) for end in (line[0], line[-1])])
-    pieces = [piece for line in lines for piece in _split(_rotated(line, tips))]
-    return _joined(pieces, outline, pattern)
+    kept = shapely.union(plan.locked.boundary, plan.slits.boundary)
+    pieces = [piece for line in lines for piece in _split(_rotated(line, tips), kept, size)]
+    return _joined(pieces, plan, size)
 
 
 def _closed(line: Floats) -> bool:
@@ -91,7 +104,7 @@ def _rotated(line: Floats, junctions: Floats) -> Floats:
     if not _closed(line) or (len(junctions) and (junctions == line[0]).all(axis=1).any()):
         return line
     ring = line[:-1]
-    turning = _turning(np.vstack([ring[-1:], ring, ring[:1]]))
+    turning = turns(np.vstack([ring[-1:], ring, ring[:1]]))
     if turning.max() > CORNER:
         start = int(np.argmax(turning))
     else:
@@ -100,34 +113,29 @@ def _rotated(line: Floats, junctions: Floats) -> Floats:
     return np.vstack([ring, ring[:1]])
 
 
-def _turning(line: Floats) -> Floats:
-    """Angle by which a polyline turns at its inner vertices."""
-    step = np.diff(line, axis=0)
-    u, v = step[:-1], step[1:]
-    cross = u[:, 0] * v[:, 1] - u[:, 1] * v[:, 0]
-    return np.asarray(np.abs(np.arctan2(cross, (u * v).sum(axis=1))))
-
-
-def _total_turning(line: Floats) -> float:
+def _total_turning(line: Floats, unit: float) -> float:
     """Angle by which a curve turns in all, without the noise of its polyline."""
     import shapely
 
-    course = shapely.simplify(shapely.LineString(line), 0.5 * SAGITTA, preserve_topology=False)
-    return float(_turning(shapely.get_coordinates(course)).sum())
+    noise = 0.5 * SAGITTA * unit
+    course = shapely.simplify(shapely.LineString(line), noise, preserve_topology=False)
+    return float(turns(shapely.get_coordinates(course)).sum())
 
 
-def _split(line: Floats) -> list[Floats]:
-    """Cut a polyline at the corners that stand out."""
+def _split(line: Floats, places: Geometry, size: SizeField) -> list[Floats]:
+    """Cut a polyline at the corners that stand out, and at its vertices on given places."""
     import shapely
 
+    unit = float(size.at(line).min())
     corner = np.zeros(len(line), dtype=bool)
-    corner[1:-1] = (_turning(line) > CORNER) | _rounded_corner(line)
+    corner[1:-1] = (turns(line) > CORNER) | _rounded_corner(line / unit)
     if corner.any():
         outstanding = shapely.get_coordinates(
-            shapely.simplify(shapely.LineString(line), CHORD, preserve_topology=False)
+            shapely.simplify(shapely.LineString(line), CHORD * unit, preserve_topology=False)
         )
         keep = {tuple(point) for point in outstanding}
         corner &= np.fromiter((tuple(point) in keep for point in line), bool, len(line))
+    corner[1:-1] |= lies_on(places, line[1:-1])
     cuts = [0, *np.flatnonzero(corner).tolist(), len(line) - 1]
     return [line[a : b + 1] for a, b in pairwise(cuts)]
 
@@ -135,7 +143,7 @@ def _split(line: Floats) -> list[Floats]:
 def _rounded_corner(line: Floats) -> NDArray[np.bool_]:
     """Middle of each fillet that is much smaller than an edge: chords would cut it off."""
     window = 0.4
-    s = _arc(line)
+    s = arc_lengths(line)
     if s[-1] < 4.0:
         return np.zeros(len(line) - 2, dtype=bool)
     inner = s[1:-1]
@@ -151,187 +159,106 @@ def _rounded_corner(line: Floats) -> NDArray[np.bool_]:
         near = np.abs(inner - inner[k]) < 2 * window
         rival = turn[near].max()
         found[k] = turn[k] == rival and not found[near].any()
-    sharp = _turning(line) > CORNER
+    sharp = turns(line) > CORNER
     for k in np.flatnonzero(found):
         found[k] = not sharp[np.abs(inner - inner[k]) < 2 * window].any()
     return found
 
 
-def _arc(line: Floats) -> Floats:
-    return np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(line, axis=0), axis=1))])
+def _with_feet(pieces: list[Floats], plan: Plan, size: SizeField) -> list[Floats]:
+    """Pieces divided where the end of another one comes closer to them than `MERGE`."""
+    import shapely
+
+    places = np.unique([end for piece in pieces for end in (piece[0], piece[-1])], axis=0)
+    lines = np.array([shapely.LineString(piece) for piece in pieces])
+    reach = MERGE * size.at(places)
+    tree = shapely.STRtree(lines)
+    ends = np.array([[piece[0], piece[-1]] for piece in pieces])
+    cuts: dict[int, list[float]] = {}
+    points = shapely.points(places)
+    place, piece = tree.query(points, predicate="dwithin", distance=reach)
+    away = np.linalg.norm(ends[piece] - places[place][:, None], axis=2).min(axis=1)
+    along = shapely.line_locate_point(lines[piece], points[place])
+    inside = np.minimum(along, shapely.length(lines[piece]) - along)
+    free = (away > reach[place]) & (inside > reach[place])
+    free &= ~np.array([lies_on(plan.locked, pieces[k]).all() for k in piece], dtype=bool)
+    for k, s in zip(piece[free].tolist(), along[free].tolist(), strict=True):
+        cuts.setdefault(k, []).append(s)
+    divided: list[Floats] = []
+    for k, line in enumerate(pieces):
+        knots, start = arc_lengths(line), 0.0
+        for s in [*sorted(cuts.get(k, [])), float(knots[-1])]:
+            if s - start < 1e-3:
+                continue
+            tips = [[np.interp(t, knots, line[:, axis]) for axis in (0, 1)] for t in (start, s)]
+            within = line[(knots > start + 1e-9) & (knots < s - 1e-9)]
+            divided.append(line if k not in cuts else np.vstack([tips[:1], within, tips[1:]]))
+            start = s
+    return divided
 
 
-def _joined(pieces: list[Floats], outline: Polygon, pattern: Geometry) -> Curves:
+def _joined(pieces: list[Floats], plan: Plan, size: SizeField) -> Curves:
     """Number the ends of the pieces, merge those that are too close, and chain the curves."""
+    import shapely
+
+    pieces = _with_feet(pieces, plan, size)
     tips = np.array([end for piece in pieces for end in (piece[0], piece[-1])])
     places, ends = np.unique(tips, axis=0, return_inverse=True)
     ends = ends.reshape(-1, 2)
-    lengths = np.array([_arc(piece)[-1] for piece in pieces])
-    label = _clusters(places, ends, lengths)
-    places = _off_grid(places, outline, pattern)
-    nodes = _representatives(places, label, outline)
+    unit = size.at(places)
+    lengths = np.array([arc_lengths(piece)[-1] for piece in pieces])
+    label, nodes = merged_places(places, ends, lengths / unit[ends].min(axis=1), unit, plan)
     lines: list[Floats] = []
     kept: list[tuple[int, int]] = []
     for piece, (a, b), length in zip(pieces, ends, lengths, strict=True):
         first, last = int(label[a]), int(label[b])
-        if first == last and length < 2 * MERGE:
+        if first == last and length < 2 * MERGE * unit[a]:
             continue
-        line = _reattached(piece, nodes[first])
-        lines.append(_reattached(line[::-1], nodes[last])[::-1])
+        line = _reattached(piece, nodes[first], unit[a])
+        lines.append(_reattached(line[::-1], nodes[last], unit[b])[::-1])
         kept.append((first, last))
-    twins = _twins(lines, kept, outline)
+    twins = closed_slivers(lines, kept, plan, size)
     lines = [line for k, line in enumerate(lines) if k not in twins]
     kept = [pair for k, pair in enumerate(kept) if k not in twins]
-    arcs = [_arc(line) for line in lines]
+    if not isinstance(size, UniformSize):
+        step = 0.5 * size.finest
+        lines = [
+            shapely.get_coordinates(shapely.segmentize(shapely.LineString(line), step))
+            for line in lines
+        ]
+    units = [float(size.at(line).min()) for line in lines]
+    arcs = [arc_lengths(line) for line in lines]
     lengths = np.array([arc[-1] for arc in arcs])
     starts = np.concatenate([[0.0], np.cumsum(lengths[:-1] + 1.0)])
     used, ends = np.unique(np.array(kept), return_inverse=True)
+    knots = np.concatenate([start + arc for start, arc in zip(starts, arcs, strict=True)])
+    vertices = np.concatenate(lines)
     return Curves(
         nodes[used],
         ends.reshape(-1, 2),
         np.stack([starts, starts + lengths], axis=1),
-        np.concatenate([start + arc for start, arc in zip(starts, arcs, strict=True)]),
-        np.concatenate(lines),
-        np.array([_total_turning(line) for line in lines]),
+        knots,
+        vertices,
+        np.array([_total_turning(line, one) for line, one in zip(lines, units, strict=True)]),
+        _measure(knots, vertices, size),
+        np.array([lies_on(plan.locked, line).all() for line in lines]),
+        np.array([lies_on(plan.slits, line).all() for line in lines]),
     )
 
 
-def _twins(lines: list[Floats], ends: list[tuple[int, int]], outline: Polygon) -> set[int]:
-    """Short lines between the same nodes that nearly coincide: all but one of each, by index.
-
-    They are the two sides of a sliver that merging nodes closed. One on the outline stays.
-    """
-    import shapely
-
-    groups: dict[tuple[int, int], list[int]] = {}
-    for k, (a, b) in enumerate(ends):
-        if a != b and len(lines[k]) > 1:
-            groups.setdefault((min(a, b), max(a, b)), []).append(k)
-    twins: set[int] = set()
-    for group in groups.values():
-        if len(group) < 2:
-            continue
-        shapes = {k: shapely.LineString(lines[k]) for k in group}
-        middle = {k: shapes[k].interpolate(0.5, normalized=True) for k in group}
-        group.sort(key=lambda k: (round(middle[k].distance(outline.boundary), 6), k))
-        for place, k in enumerate(group):
-            for other in group[:place]:
-                close = shapes[k].hausdorff_distance(shapes[other]) < MERGE
-                if close and other not in twins and shapes[k].length < 2.0:
-                    twins.add(k)
-    return twins
+def _measure(knots: Floats, vertices: Floats, size: SizeField) -> Floats:
+    if isinstance(size, UniformSize):
+        return knots
+    pace = 1.0 / size.at(vertices)
+    steps = np.diff(knots) * 0.5 * (pace[1:] + pace[:-1])
+    return np.concatenate([[0.0], np.cumsum(steps)])
 
 
-def _reattached(line: Floats, node: Floats) -> Floats:
+def _reattached(line: Floats, node: Floats, unit: float) -> Floats:
     """A polyline that starts at a node near its first vertex and joins its course one edge on."""
     if np.abs(line[0] - node).max() <= 10 * GRID:
         return np.vstack([node, line[1:]])
-    s = _arc(line)
-    ahead = min(1.0, 0.5 * s[-1])
+    s = arc_lengths(line)
+    ahead = min(unit, 0.5 * s[-1])
     joint = [np.interp(ahead, s, line[:, k]) for k in (0, 1)]
     return np.vstack([node, joint, line[s > ahead + 1e-9]])
-
-
-def _off_grid(places: Floats, outline: Polygon, pattern: Geometry) -> Floats:
-    """Ends of pieces where they were before noding moved them to the grid."""
-    import shapely
-
-    rim = shapely.points(places)
-    along = shapely.line_locate_point(outline.exterior, rim)
-    exact = shapely.get_coordinates(shapely.line_interpolate_point(outline.exterior, along))
-    near = np.linalg.norm(exact - places, axis=1) < 10 * GRID
-    places = np.where(near[:, None], exact, places)
-    vertices = shapely.get_coordinates([outline, pattern])
-    distance, nearest = cKDTree(vertices).query(places)
-    return np.asarray(np.where((distance < 10 * GRID)[:, None], vertices[nearest], places))
-
-
-def _clusters(places: Floats, ends: Indices, lengths: Floats) -> Indices:
-    """Label of each place; places that are too close share one while their group is small."""
-    label = np.arange(len(places))
-    near = cKDTree(places).query_pairs(MERGE, output_type="ndarray")
-    pairs = np.concatenate([ends, near])
-    apart = np.linalg.norm(places[near[:, 0]] - places[near[:, 1]], axis=1)
-    distance = np.concatenate([lengths, apart])
-    for k in np.lexsort((np.arange(len(pairs)), np.round(distance, 6))):
-        if distance[k] > MERGE:
-            break
-        a, b = label[pairs[k]]
-        if a == b:
-            continue
-        group = places[(label == a) | (label == b)]
-        if np.linalg.norm(np.ptp(group, axis=0)) <= MERGE:
-            label[label == max(a, b)] = min(a, b)
-    return np.asarray(np.unique(label, return_inverse=True)[1])
-
-
-def _representatives(places: Floats, label: Indices, outline: Polygon) -> Floats:
-    """Position of each group: its sharpest corner of the outline, else its mean on the outline."""
-    import shapely
-
-    rank = np.zeros(len(places), dtype=int)
-    rank[shapely.dwithin(outline.boundary, shapely.points(places), 1e-6)] = 1
-    for ring in (outline.exterior, *outline.interiors):
-        line = shapely.get_coordinates(ring)
-        sharp = line[:-1][_turning(np.vstack([line[-2:-1], line])) > CORNER]
-        if len(sharp):
-            near = shapely.dwithin(shapely.multipoints(sharp), shapely.points(places), 1e-6)
-            rank[near] = 2
-    nodes = np.empty((int(label.max()) + 1, 2))
-    for k in range(len(nodes)):
-        group = np.flatnonzero(label == k)
-        best = group[rank[group] == rank[group].max()]
-        nodes[k] = places[best].mean(axis=0)
-    return nodes
-
-
-def sample(curves: Curves, counts: Indices) -> Sampling:
-    """Divide each curve into a number of equal parts.
-
-    Args:
-        counts: parts of each curve, shape (C,), each at least 1.
-    """
-    fixed = len(curves.nodes)
-    inner = counts - 1
-    total = int(inner.sum())
-    owner = np.repeat(np.arange(len(counts)), inner)
-    place = np.arange(total) - np.repeat(np.cumsum(inner) - inner, inner) + 1
-    low, high = curves.spans[owner].T
-    stations = low + (high - low) * place / counts[owner]
-    index = fixed + np.arange(total)
-    along = np.stack([index - 1, index + 1], axis=1)
-    at_start, at_end = place == 1, place == counts[owner] - 1
-    along[at_start, 0] = curves.ends[owner[at_start], 0]
-    along[at_end, 1] = curves.ends[owner[at_end], 1]
-    single = counts == 1
-    segments = np.concatenate(
-        [
-            curves.ends[single],
-            np.stack([along[:, 0], index], axis=1),
-            np.stack([index, along[:, 1]], axis=1)[at_end],
-        ]
-    )
-    return Sampling(
-        np.concatenate([curves.nodes, curves.at(stations)]),
-        segments,
-        np.concatenate([np.full(fixed, np.nan), stations]),
-        np.concatenate([np.full((fixed, 2), -1), along]),
-    )
-
-
-def part_counts(curves: Curves) -> Indices:
-    """Numbers of parts that bring the edges of each curve closest to the wanted length."""
-    length = curves.spans[:, 1] - curves.spans[:, 0]
-    counts = np.maximum(np.floor(length), 1.0)
-    # The ratio of the edge to 1 decides, not the difference: n → n + 1 at length √(n (n + 1)).
-    counts += length > np.sqrt(counts * (counts + 1.0))
-    counts = np.maximum(counts, np.ceil(np.sqrt(length * curves.turning / (8.0 * SAGITTA))))
-    loop = curves.ends[:, 0] == curves.ends[:, 1]
-    counts = np.where(loop, np.maximum(counts, 5), counts).astype(np.intp)
-    # Two curves between the same nodes must not become the same edge.
-    pair = np.sort(curves.ends, axis=1)
-    order = np.lexsort((-length, counts, pair[:, 1], pair[:, 0]))
-    same = (np.diff(pair[order], axis=0) == 0).all(axis=1)
-    both_single = same & (counts[order][1:] == 1)
-    counts[order[:-1][both_single]] = 2
-    return counts

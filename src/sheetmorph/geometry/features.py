@@ -11,11 +11,11 @@ from sheetmorph.geometry.mesh import Floats
 if TYPE_CHECKING:
     from shapely import Geometry, Polygon
 
+    from sheetmorph.geometry.plan import Plan
+
 MAX_MESH_NODES = 500_000
 # In units of the wanted edge length:
 THIN = 0.4  # parts narrower than this have no room for a good triangle
-SPECK = 1.0  # thin parts with more area than this are an error, smaller ones are absorbed
-BLUR = 0.01  # offsetting a polyline and back moves it by less than this
 OVERHANG = 1e-3  # a pattern may reach this far outside the outline; it is clipped
 
 
@@ -38,17 +38,70 @@ def checked_pattern(pattern: Geometry, outline: Polygon, size: float) -> Geometr
     if not outside.is_empty:
         at = outside.representative_point()
         raise InputError(
-            f"the pattern reaches outside the outline near {_place(at.x, at.y)}; "
+            f"the pattern reaches outside the outline near {place_name(at.x, at.y)}; "
             "shorten it or clip it to the outline"
         )
-    return _areas_only(pattern.intersection(outline))
+    return areas_only(pattern.intersection(outline))
+
+
+def checked_lines(lines: Geometry | None, what: str) -> Geometry:
+    """Lines without the points that an intersection may leave, or an InputError."""
+    import shapely
+
+    if lines is None:
+        return shapely.MultiLineString()
+    _check_geometry(
+        lines,
+        what,
+        ("LineString", "MultiLineString", "LinearRing", "GeometryCollection"),
+        "a line or lines",
+    )
+    if lines.geom_type == "LinearRing":
+        lines = shapely.LineString(lines)
+    parts = [part for part in shapely.get_parts(lines) if part.geom_type == "LineString"]
+    return shapely.multilinestrings([part for part in parts if part.length > 0.0])
+
+
+def check_grading(size: float, boundary_size: float | None, growth: float, plan: Plan) -> None:
+    """Raise an InputError when edges cannot grow this way or there would be too many of them."""
+    if boundary_size is None:
+        return
+    usable = _is_number(boundary_size) and size / 20 <= boundary_size * (1 + 1e-9)
+    if not usable or boundary_size > size * (1 + 1e-9):
+        known = _mm(boundary_size) if _is_number(boundary_size) else boundary_size
+        raise InputError(
+            "the edge length at the boundaries of the pattern does not suit the mesh size",
+            value=known,
+            allowed=f"{_mm(size / 20)} to {_mm(size)}",
+        )
+    if not (_is_number(growth) and 0.05 <= growth <= 1.0):
+        raise InputError(
+            "the growth of the edges with the distance from the pattern is not usable",
+            value=growth,
+            allowed="0.05 to 1",
+        )
+    # Integral of the density of nodes over strips on both sides of the lines, without overlap.
+    strips = 2.0 * plan.marked_lines().length * (1.0 / boundary_size - 1.0 / size) / growth
+    area = plan.outline.area
+    most = area / boundary_size**2
+    expected = min(strips + area / size**2, most) / math.sqrt(0.75)
+    if expected > MAX_MESH_NODES:
+        raise InputError(
+            f"the mesh would have up to {expected:.3g} nodes",
+            value=f"boundary size {_mm(boundary_size)}",
+            allowed=f"at most {MAX_MESH_NODES} nodes; choose a larger boundary size or growth",
+        )
+
+
+def _is_number(value: object) -> bool:
+    return isinstance(value, (int, float)) and math.isfinite(value)
 
 
 def check_size(size: float, outline: Polygon) -> None:
     """Raise an InputError when a mesh of this size is impossible or far too large."""
     import shapely
 
-    if not (isinstance(size, (int, float)) and math.isfinite(size) and size > 0.0):
+    if not (_is_number(size) and size > 0.0):
         raise InputError("the mesh size must be a positive length", value=size)
     expected = outline.area / (math.sqrt(0.75) * size**2)
     if expected > MAX_MESH_NODES:
@@ -68,75 +121,51 @@ def check_size(size: float, outline: Polygon) -> None:
         )
 
 
-def resolved(outline: Polygon, pattern: Geometry) -> Geometry:
-    """The pattern without parts and gaps too thin for the mesh; lengths in edge lengths.
-
-    Gaps (film between pattern and pattern or rim) thinner than `THIN` are filled, then
-    parts of the pattern thinner than that are removed. Only specks are treated so.
-
-    Raises:
-        InputError: a thin part or gap is larger than a speck, or a hole of the outline
-            or a neck of the sheet is too thin to mesh.
-    """
-    import shapely
-
-    for ring in outline.interiors:
-        _check_thin(shapely.Polygon(ring), 0.0, "a hole of the outline is")
-    _check_thin(outline, SPECK, "the sheet is")
-    if pattern.is_empty:
-        return pattern
-    film = _areas_only(shapely.difference(outline, pattern, grid_size=1e-9))
-    gaps = _check_thin(film, SPECK, "the film beside the pattern is")
-    if not gaps.is_empty:
-        film = _without(film, gaps)
-        pattern = _areas_only(shapely.difference(outline, film, grid_size=1e-9))
-    slivers = _check_thin(pattern, SPECK, "the pattern is")
-    if not slivers.is_empty:
-        pattern = _without(pattern, slivers)
-    return pattern
-
-
-def _without(shape: Geometry, thin: Geometry) -> Geometry:
-    import shapely
-
-    cut = thin.buffer(1.1 * BLUR, join_style="mitre")
-    return _areas_only(shapely.difference(shape, cut, grid_size=1e-9))
-
-
-def _check_thin(shape: Geometry, limit: float, what: str) -> Geometry:
-    """Parts of a shape that a disc of diameter `THIN` cannot reach; error above `limit` area."""
-    import shapely
-
-    options = {"join_style": "mitre", "mitre_limit": 10.0}
-    opened = shape.buffer(-0.5 * THIN, **options).buffer(0.5 * THIN, **options)
-    thin = shapely.difference(shape, opened.buffer(BLUR, join_style="mitre"), grid_size=1e-9)
-    parts = [part for part in shapely.get_parts(thin) if part.area > 1e-10]
-    for part in parts:
-        if part.area > limit:
-            at = part.representative_point()
-            raise TooThinError(what, (at.x, at.y), 2.0 * part.area / part.length)
-    return shapely.unary_union(parts) if parts else shapely.Polygon()
-
-
 class TooThinError(InputError):
-    """A part too thin for the mesh, still in units of the edge length."""
+    """A part too thin for the mesh, still in units of the edge length.
 
-    def __init__(self, what: str, place: tuple[float, float], width: float) -> None:
+    Attributes:
+        what: the part, and "is".
+        place: where it is.
+        width: how wide it is.
+        unit: wanted edge length there.
+    """
+
+    def __init__(
+        self, what: str, place: tuple[float, float], width: float, unit: float = 1.0
+    ) -> None:
         super().__init__(f"{what} too thin for the mesh size")
-        self.what, self.place, self.width = what, place, width
+        self.what, self.place, self.width, self.unit = what, place, width, unit
 
     def in_metres(self, size: float, origin: Floats) -> InputError:
         """The error for people, lengths in millimetres."""
         x, y = (float(origin[k]) + size * self.place[k] for k in (0, 1))
-        width = size * self.width
+        width, local = size * self.width, size * self.unit
         return InputError(
-            f"{self.what} only about {_mm(width)} wide near {_place(x, y)}, too thin for the mesh",
-            value=f"size {_mm(size)}",
+            f"{self.what} only about {_mm(width)} wide near {place_name(x, y)}, "
+            "too thin for the mesh",
+            value=f"size {_mm(local)}",
             allowed=f"size ≤ {_mm(width / THIN)}",
         )
 
 
-def _check_geometry(shape: Geometry, what: str, kinds: tuple[str, ...]) -> None:
+class TooCloseError(TooThinError):
+    """Lines too close to each other for the mesh, still in units of the edge length."""
+
+    def in_metres(self, size: float, origin: Floats) -> InputError:
+        """The error for people, lengths in millimetres."""
+        x, y = (float(origin[k]) + size * self.place[k] for k in (0, 1))
+        return InputError(
+            f"{self.what} run or end too close to each other or to a boundary near "
+            f"{place_name(x, y)}; join them, move them apart or choose a smaller size",
+            value=f"size {_mm(size * self.unit)}",
+            allowed=f"at least {_mm(size * self.width)} apart, or touching",
+        )
+
+
+def _check_geometry(
+    shape: Geometry, what: str, kinds: tuple[str, ...], wanted: str = "a polygon"
+) -> None:
     import numpy as np
     import shapely
 
@@ -144,7 +173,7 @@ def _check_geometry(shape: Geometry, what: str, kinds: tuple[str, ...]) -> None:
         shape.geom_type not in kinds and not shape.is_empty
     ):
         kind = getattr(shape, "geom_type", type(shape).__name__)
-        raise InputError(f"the {what} must be a polygon", value=kind, allowed=", ".join(kinds))
+        raise InputError(f"the {what} must be {wanted}", value=kind, allowed=", ".join(kinds))
     if not np.isfinite(shapely.get_coordinates(shape)).all():
         raise InputError(f"the {what} has a coordinate that is not a finite number")
     if not shape.is_valid:
@@ -152,7 +181,7 @@ def _check_geometry(shape: Geometry, what: str, kinds: tuple[str, ...]) -> None:
         raise InputError(f"the {what} is not a valid polygon: {reason} (coordinates in m)")
 
 
-def _areas_only(shape: Geometry) -> Geometry:
+def areas_only(shape: Geometry) -> Geometry:
     """A shape without the points and lines that an intersection may leave."""
     import shapely
 
@@ -164,5 +193,6 @@ def _mm(length: float) -> str:
     return f"{length * 1e3:.3g} mm"
 
 
-def _place(x: float, y: float) -> str:
+def place_name(x: float, y: float) -> str:
+    """A place [m] for people."""
     return f"({x * 1e3:.4g}, {y * 1e3:.4g}) mm"

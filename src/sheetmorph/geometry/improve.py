@@ -6,8 +6,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from sheetmorph.geometry.boundary import Curves, Sampling
+from sheetmorph.geometry.boundary import Curves
 from sheetmorph.geometry.mesh import Floats
+from sheetmorph.geometry.sampling import Sampling
 from sheetmorph.geometry.smooth import corner_angles
 from sheetmorph.geometry.triangulate import Indices
 

@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sheetmorph.geometry.mesh import Floats
+from sheetmorph.geometry.sizing import SizeField, UniformSize
 from sheetmorph.geometry.triangulate import Indices, signed_areas
 
 
@@ -20,27 +21,34 @@ def corner_angles(points: Floats, triangles: Indices) -> Floats:
     return angles
 
 
-def relax(points: Floats, triangles: Indices, free: NDArray[np.bool_], sweeps: int) -> Floats:
+def relax(
+    points: Floats, triangles: Indices, free: NDArray[np.bool_], sweeps: int, size: SizeField
+) -> Floats:
     """Move free points to the area-weighted circumcentres of their triangles, `sweeps` times.
 
     This is the optimal Delaunay smoothing of Chen (2004), "Mesh smoothing schemes based on
     optimal Delaunay triangulations". Circumcentres of obtuse triangles lie outside; they are
     drawn back to the centroid, which keeps the step stable next to boundaries. Steps that
-    would turn a triangle over are halved.
+    would turn a triangle over are halved. In a graded mesh triangles weigh by the density
+    h⁻⁴ of the wanted length h, which spreads the points as 1/h².
 
     Args:
         points: positions, shape (N, 2).
         triangles: corner indices, counter-clockwise, shape (T, 3).
         free: points that may move, shape (N,).
+        size: wanted edge lengths.
 
     Returns:
         New positions, shape (N, 2).
     """
     count = len(points)
     flat = triangles.ravel()
+    graded = not isinstance(size, UniformSize)
     for _ in range(sweeps):
         area = signed_areas(points, triangles)
         centre = _centres(points, triangles, area)
+        if graded:
+            area = area * size.at(points[triangles].mean(axis=1)) ** -4
         weight = np.bincount(flat, np.repeat(area, 3), count)
         goal = np.stack(
             [np.bincount(flat, np.repeat(area * centre[:, k], 3), count) for k in (0, 1)], -1

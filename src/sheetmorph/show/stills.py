@@ -296,7 +296,8 @@ def _legend(sheet: Sheet, x: float, y: float, cells: list[PaintedCell]) -> None:
             )
         sheet.text(x + 46, y, text, va="center")
         x += 70 + 11 * len(text)
-    sheet.text(x, y, "paler: underside", va="center", color=style.MUTED)
+    if x <= LEGEND_END:
+        sheet.text(x, y, "paler: underside", va="center", color=style.MUTED)
 
 
 def _dimension(
