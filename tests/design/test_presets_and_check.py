@@ -81,3 +81,11 @@ def test_warnings(design, strip):
     assert any("finer mesh" in warning for warning in report["warnings"])
     assert "warning" in format_description(report)
     assert np.isfinite(report["mass"])
+
+
+@pytest.mark.parametrize(("name", "warned"), [("canoe", True), ("petals", False), ("blank", False)])
+def test_supports_that_break_the_symmetry_of_the_mesh_are_told(name, warned):
+    design = Design.from_toml(preset_text(name)).with_values({"mesh.symmetry": "auto"})
+    report = describe(design)
+    assert any("symmetry" in warning for warning in report["warnings"]) == warned
+    assert report["mesh"]["symmetry"] == str(design.symmetry)

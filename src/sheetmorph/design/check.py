@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from sheetmorph.core.errors import InputError
 from sheetmorph.design.actuation import edge_distance, thermal_strain
 from sheetmorph.design.laminate import (
     LayerStack,
@@ -192,6 +193,22 @@ def _range(values: np.ndarray[Any, np.dtype[np.float64]]) -> list[float]:
     return [float(values.min()), float(values.max())] if len(values) else []
 
 
+def _symmetric_supports(design: Design, mesh: SheetMesh) -> bool:
+    """False when a symmetry that mesh and design share moves a held node to a free one."""
+    from sheetmorph.geometry.symmetric_mesh import subgroups
+    from sheetmorph.geometry.symmetry import node_images
+
+    held = np.zeros(len(mesh.nodes), dtype=np.bool_)
+    held[held_nodes(design, mesh, regions(design, mesh))] = True
+    for group in subgroups(design.symmetry):
+        try:
+            images = node_images(mesh.nodes, group, 1e-9 * mesh.size)
+        except InputError:
+            continue
+        return bool((held[images] == held).all())
+    return True
+
+
 def _warnings(design: Design, mesh: SheetMesh, report: dict[str, Any]) -> list[str]:
     found = []
     poor = int((mesh.minimum_angles < POOR_ANGLE).sum())
@@ -203,6 +220,8 @@ def _warnings(design: Design, mesh: SheetMesh, report: dict[str, Any]) -> list[s
         if abs(got - wanted) > AREA_MISMATCH * wanted:
             areas = f"{1e6 * got:.4g} mm² instead of {1e6 * wanted:.4g} mm²"
             found.append(f"the mesh gives the pattern {areas}; a finer mesh follows it better")
+    if design.spec.mesh.symmetry != "none" and not _symmetric_supports(design, mesh):
+        found.append("the supports do not have the symmetry of the mesh, so the shape will not")
     if report["actuation"]["eps_pre"] == 0:
         found.append("eps_pre is 0, so the sheet stays flat")
     return found
