@@ -17,9 +17,8 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 DOCS = Path(__file__).resolve().parent
-COLUMNS = 4
 CELL, GAP, LABEL, MARGIN = 220, 26, 34, 20
-"""Side of a picture, space between two, height of a name, space around all [px]."""
+"""Side of a plan, space between two, height of a name, space around all [px]."""
 COLOURS = 32
 SECOND_PART = (142, 84, 150)
 
@@ -52,7 +51,7 @@ REST = """
 eps_pre = -0.3
 
 [mesh]
-size = "3 mm"
+size = "2.5 mm"
 """
 
 
@@ -112,7 +111,7 @@ def draw(examples: list[Example], path: Path) -> None:
     """One picture: each example with its caption below."""
     from sheetmorph.show import style
 
-    columns = min(COLUMNS, len(examples))
+    columns = max((5, 4, 3), key=lambda number: -(-len(examples) % number))
     rows = -(-len(examples) // columns)
     width = 2 * MARGIN + columns * (CELL + GAP) - GAP
     height = 2 * MARGIN + rows * (CELL + LABEL + GAP) - GAP
@@ -134,7 +133,7 @@ def draw_plan(axes: Axes, design: sm.Design) -> None:
     for colour, part in zip((style.BILAYER, SECOND_PART), layout.parts.values(), strict=False):
         fill(axes, part, colour)
     for slit in layout.slits.geoms:
-        axes.plot(*slit.xy, color=style.HELD, lw=2.2, solid_capstyle="butt")
+        axes.plot(*slit.xy, color=style.INK, lw=2.5, solid_capstyle="butt")
     low_x, low_y, high_x, high_y = layout.sheet.bounds
     half = 0.51 * max(high_x - low_x, high_y - low_y)
     x, y = (low_x + high_x) / 2, (low_y + high_y) / 2

@@ -14,6 +14,7 @@ from sheetmorph.design.presets import preset_text
 from sheetmorph.design.spec import Design
 from sheetmorph.geometry.quality import mesh_quality
 
+KNOWN = (2274.3, 1208.3)
 SQUARE = shapely.box(-0.05, -0.05, 0.05, 0.05)
 SHEETS = {
     "disc": shapely.Point(0.02, 0.01).buffer(0.05, 60),
@@ -32,7 +33,7 @@ def pattern(sheet="disc", **keys):
 
 def change(shape, radius):
     """Relative change of the area by closing (or opening, with a negative radius) by a disc."""
-    done = shape.buffer(radius, quad_segs=12).buffer(-radius, quad_segs=12)
+    done = shape.buffer(radius, quad_segs=8).buffer(-radius, quad_segs=8)
     return abs(done.area - shape.area) / shape.area
 
 
@@ -44,11 +45,11 @@ def some_parameters(count):
             "sheet": dice.choice(list(SHEETS)),
             "seed": seed,
             "line_width": f"{width} mm",
-            "lines": dice.randint(3, 10),
-            "polygons": dice.randint(1, 5),
+            "lines": dice.randint(3, 9),
+            "polygons": dice.randint(1, 4),
             "style": dice.choice(["spokes", "outline", "both"]),
             "connected": dice.random() < 0.6,
-            "minimum_feature": f"{dice.choice([0.3, 0.5, 0.8]) * width} mm",
+            "minimum_feature": f"{dice.choice([0.3, 0.5, 0.9]) * width} mm",
         }
 
 
@@ -78,10 +79,8 @@ def test_a_seed_gives_the_same_bits():
     again = pattern(seed=5, style="both", polygons=4)
     assert shapely.to_wkb(shape) == shapely.to_wkb(again)
     assert not pattern(seed=6, style="both", polygons=4).equals(shape)
-    # Known value, to a micrometre: the generator is part of what a design file means.
-    coarse = shapely.set_precision(shape, 1e-6)
-    area, length = round(1e6 * coarse.area, 1), round(1e3 * coarse.length, 1)
-    assert (area, length) == KNOWN
+    # Known values [mm², mm]: the generator is part of what a design file means.
+    assert (1e6 * shape.area, 1e3 * shape.length) == pytest.approx(KNOWN, abs=0.1)
 
 
 def test_parameters_mean_what_they_say():
@@ -93,7 +92,8 @@ def test_parameters_mean_what_they_say():
     apart = pattern(polygons=5, radius="5 mm", connected=False)
     assert len(apart.geoms) > 1
     assert isinstance(pattern(polygons=5, radius="5 mm"), shapely.Polygon)
-    assert pattern(coverage=[0.3, 0.4]).area / SHEETS["disc"].area == pytest.approx(0.35, abs=0.05)
+    dense = pattern(coverage=[0.35, 0.4], style="both", polygons=5)
+    assert 0.35 <= dense.area / SHEETS["disc"].area <= 0.4
 
 
 @pytest.mark.parametrize(
@@ -101,13 +101,13 @@ def test_parameters_mean_what_they_say():
     [
         ({"line_width": "60 mm"}, "line_width", "no room"),
         ({"margin": "0 mm"}, "margin", "narrower than the smallest gap"),
-        ({"minimum_feature": "5 mm"}, "minimum_feature", "wider than the lines"),
+        ({"minimum_feature": "5 mm"}, "minimum_feature", "leaves nothing of the lines"),
         ({"coverage": [0.5, 0.5]}, "coverage", "smaller share"),
         ({"coverage": [0.89, 0.9], "radius": "10 mm"}, "coverage", "more polygons"),
         ({"coverage": [0.0, 0.01]}, "coverage", "fewer polygons"),
-        ({"seed": -1}, "seed", ""),
+        ({"seed": -1}, "seed", "out of range"),
         ({"seed": 1.5}, "seed", "whole number"),
-        ({"lines": 2}, "lines", ""),
+        ({"lines": 2}, "lines", "out of range"),
     ],
 )
 def test_parameters_that_cannot_be(keys, key, text):
@@ -127,7 +127,7 @@ def test_islands_that_no_bar_can_join():
             shapely.box(0.03, 0.018, 0.07, 0.022),
         ]
     )
-    keys = {"kind": "random_polygons", "seed": 1, "line_width": "3 mm", "polygons": 12}
+    keys = {"kind": "random_polygons", "seed": 1, "line_width": "3 mm", "polygons": 5}
     keys |= {"radius": "3 mm"}
     apart = RandomPolygons.model_validate(keys | {"connected": False}).region(rooms)
     assert apart.bounds[2] - apart.bounds[0] > 0.06
@@ -152,10 +152,9 @@ def test_the_family_sets_its_keys():
         random_kirigami(1, line_width=-1.0)
 
 
-@pytest.mark.parametrize("style", ["spokes", "outline", "both"])
+@pytest.mark.parametrize(
+    "style", ["spokes", "outline", pytest.param("both", marks=pytest.mark.slow)]
+)
 def test_family_can_be_meshed(style):
     design = random_kirigami(3, style=style, line_width=5e-3)
     assert mesh_quality(design.build_mesh()).min_angle >= 25
-
-
-KNOWN = (2171.7, 1001.7)

@@ -21,7 +21,7 @@ from sheetmorph.geometry.quality import mesh_quality
 
 ROOT = Path(__file__).resolve().parents[2]
 SHEET = shapely.box(-0.06, -0.06, 0.06, 0.06)
-BIG = shapely.box(-2.0, -2.0, 2.0, 2.0)
+BIG = shapely.box(-0.3, -0.3, 0.3, 0.3)
 READ = TypeAdapter(PatternShape)
 
 STAR = {"kind": "star", "arms": 6, "arm_length": "44.595 mm", "half_width": "2.787 mm"}
@@ -76,7 +76,7 @@ def test_contours_are_simple_and_have_no_tiny_edges(piece, scale):
 def test_rotation_and_centre_move_the_shape(piece):
     before = drawn(piece, rotation="0 deg")
     after = drawn(piece, rotation="25 deg", centre=["7 mm", "-3 mm"])
-    assert differ(after, translate(rotate(before, 25, (0, 0)), 7e-3, -3e-3)) < 2e-4
+    assert differ(after, translate(rotate(before, 25, (0, 0)), 7e-3, -3e-3)) < 1e-3  # chords
 
 
 @pytest.mark.parametrize(
@@ -127,7 +127,7 @@ def test_cross_has_the_two_numbers_of_the_paper():
     flat = rotate(shape, -45, (0, 0))
     beyond = flat.intersection(shapely.box(56.7e-3, -1, 1, 1))
     assert beyond.area == pytest.approx(14.004e-3**2, rel=1e-6)  # a right-angled triangle
-    before = flat.intersection(shapely.box(40e-3, -1, 56.7e-3, 1))
+    before = flat.intersection(shapely.box(40e-3, -1, 56.6e-3, 1))
     assert before.bounds[3] == pytest.approx(5.9e-3)
 
 
@@ -179,7 +179,7 @@ def test_spiral_is_as_long_as_its_middle_line():
     growth = 12e-3 / (2 * math.pi)
     speed = np.hypot(12e-3 + growth * angle, growth)
     length = np.trapezoid(speed, angle)
-    assert shape.area == pytest.approx(4e-3 * length, rel=1e-4)
+    assert shape.area == pytest.approx(4e-3 * length, rel=2e-4)
     radius = 12e-3 + growth * angle
     middle = np.column_stack([radius * np.cos(angle), radius * np.sin(angle)])[::1000]
     inside = shapely.distance(shape.exterior, shapely.points(middle[1:-1]))
@@ -191,15 +191,22 @@ def test_stripes_and_grid_fill_their_share():
     share = drawn(GRID, BIG, rotation="20 deg", angle="70 deg").area / BIG.area
     assert share == pytest.approx(1 - 0.6**2, rel=3e-3)
     moved = drawn(STRIPES, rotation="90 deg", offset="4 mm")
-    middles = sorted(part.centroid.x for part in moved.geoms if part.area > 3e-4)
-    assert (np.array(middles) + 4e-3) % 10e-3 == pytest.approx(0, abs=1e-9) or all(
-        abs(((x + 4e-3) / 10e-3) - round((x + 4e-3) / 10e-3)) < 1e-6 for x in middles
+    middles = [part.centroid.x for part in moved.geoms if part.area > 3e-4]
+    assert len(middles) >= 11
+    assert [(x + 4e-3) / 10e-3 for x in middles] == pytest.approx(
+        [round((x + 4e-3) / 10e-3) for x in middles], abs=1e-6
     )
 
 
 def test_honeycomb_walls_fill_their_share():
-    shape = drawn(HONEYCOMB, BIG, rotation="7 deg")
-    assert shape.area / BIG.area == pytest.approx(1 - (12 / 15) ** 2, rel=2e-3)
+    shape = drawn(HONEYCOMB, BIG, rotation="7 deg", cells="cut")
+    assert shape.area / BIG.area == pytest.approx(1 - (12 / 15) ** 2, rel=5e-3)
+    whole = drawn(HONEYCOMB)
+    hexagon = math.sqrt(0.75) * 12e-3**2
+    assert [shapely.Polygon(ring).area for ring in whole.interiors] == pytest.approx(
+        [hexagon] * len(whole.interiors)
+    )
+    assert whole.distance(SHEET.boundary) > 0
     # Two neighbours lie 15 mm apart: the wall between them is 3 mm wide, at 7.5 mm.
     wall = drawn(HONEYCOMB).intersection(shapely.LineString([(0, 0), (15e-3, 0)]))
     assert wall.bounds == pytest.approx((6e-3, 0, 9e-3, 0), abs=1e-9)
@@ -286,23 +293,27 @@ def page_examples():
 
 
 EXAMPLES = page_examples()
-AWKWARD: dict[str, str] = {}
-"""Examples whose mesh still has smaller angles, and why."""
+QUICK = {"star", "twin_star", "lotus", "spiral", "honeycomb", "two parts", "slits"}
+"""Examples that are meshed in every run; the others take half a minute together."""
 
 
-@pytest.mark.parametrize(
-    "example",
-    [
-        pytest.param(
-            example,
-            id=example.caption,
-            marks=[pytest.mark.xfail(strict=False, reason=AWKWARD[example.caption])]
-            if example.caption in AWKWARD
-            else [],
-        )
-        for example in EXAMPLES
-    ],
-)
+def meshed(example):
+    return pytest.param(
+        example,
+        id=example.caption,
+        marks=[] if example.caption in QUICK else [pytest.mark.slow],
+    )
+
+
+def test_examples_of_the_page_are_designs():
+    assert {example.caption for example in EXAMPLES} >= QUICK
+    for example in EXAMPLES:
+        layout = example.design().layout
+        assert layout.pattern.area > 0, example.caption
+        assert edges(layout.pattern).min() > 1e-7, example.caption
+
+
+@pytest.mark.parametrize("example", [meshed(example) for example in EXAMPLES])
 def test_examples_of_the_page_can_be_meshed(example):
     design = example.design()
     mesh = design.build_mesh()
