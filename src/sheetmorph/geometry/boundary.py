@@ -220,8 +220,12 @@ def _joined(pieces: list[Floats], plan: Plan, size: SizeField) -> Curves:
     twins = closed_slivers(lines, kept, plan, size)
     lines = [line for k, line in enumerate(lines) if k not in twins]
     kept = [pair for k, pair in enumerate(kept) if k not in twins]
+    # Vertices of what lies beside a locked line must not change how it is divided.
+    locked = np.array([lies_on(plan.locked, line).all() for line in lines])
+    lines = [line[[0, -1]] if one else line for line, one in zip(lines, locked, strict=True)]
     if not isinstance(size, UniformSize):
-        step = 0.5 * size.finest
+        # No round number: lines of equal length must get equally many vertices.
+        step = 0.4963 * size.finest
         lines = [
             shapely.get_coordinates(shapely.segmentize(shapely.LineString(line), step))
             for line in lines
@@ -240,16 +244,18 @@ def _joined(pieces: list[Floats], plan: Plan, size: SizeField) -> Curves:
         knots,
         vertices,
         np.array([_total_turning(line, one) for line, one in zip(lines, units, strict=True)]),
-        _measure(knots, vertices, size),
-        np.array([lies_on(plan.locked, line).all() for line in lines]),
+        _measure(knots, vertices, plan, size),
+        locked,
         np.array([lies_on(plan.slits, line).all() for line in lines]),
     )
 
 
-def _measure(knots: Floats, vertices: Floats, size: SizeField) -> Floats:
+def _measure(knots: Floats, vertices: Floats, plan: Plan, size: SizeField) -> Floats:
     if isinstance(size, UniformSize):
         return knots
     pace = 1.0 / size.at(vertices)
+    locked = lies_on(plan.locked, vertices)
+    pace[locked] = 1.0 / size.exactly_at(vertices[locked])
     steps = np.diff(knots) * 0.5 * (pace[1:] + pace[:-1])
     return np.concatenate([[0.0], np.cumsum(steps)])
 

@@ -59,7 +59,7 @@ def checked_lines(lines: Geometry | None, what: str) -> Geometry:
     if lines.geom_type == "LinearRing":
         lines = shapely.LineString(lines)
     parts = [part for part in shapely.get_parts(lines) if part.geom_type == "LineString"]
-    return shapely.multilinestrings([part for part in parts if part.length > 0.0])
+    return shapely.MultiLineString([part for part in parts if part.length > 0.0])
 
 
 def check_grading(size: float, boundary_size: float | None, growth: float, plan: Plan) -> None:

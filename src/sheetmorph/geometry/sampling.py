@@ -17,6 +17,8 @@ RATIO = 2.0  # parts that meet differ by less than this
 SHORTEST = 0.15  # no part is made shorter than this, in shortest wanted edge lengths
 NEAR = 0.5  # a node closer to a part than this share of its length is too close
 SHARP = np.radians(30.0)
+FAN = 1.1  # parts beside a sharp corner are longer than the gap between its sides by this
+LONGEST_FAN = 40  # most parts beside a sharp corner
 
 
 @dataclass(frozen=True, eq=False)
@@ -51,7 +53,7 @@ def even_stations(curves: Curves, counts: Indices) -> Floats:
 
 
 def refined_stations(curves: Curves, stations: Floats) -> Floats:
-    """Arc lengths with more of them where parts are long beside what is near.
+    """Arc lengths with more of them in sharp corners and where parts are long beside others.
 
     A part is halved when a node off its ends is closer to it than `NEAR` of its length, so
     that the triangle between them would be flat, or when it is much longer than a part that
@@ -59,6 +61,7 @@ def refined_stations(curves: Curves, stations: Floats) -> Floats:
     narrow triangle there smaller.
     """
     fixed = len(curves.nodes)
+    stations = _fanned(curves, stations)
     for _ in range(REFINEMENTS):
         chain = np.sort(np.concatenate([curves.spans.ravel(), stations]))
         owner = np.searchsorted(curves.spans[:, 0], chain, side="right") - 1
@@ -82,6 +85,67 @@ def refined_stations(curves: Curves, stations: Floats) -> Floats:
         new = 0.5 * (chain[first] + chain[first + 1])[halve]
         stations = np.sort(np.concatenate([stations, new]))
     return stations
+
+
+def _fanned(curves: Curves, stations: Floats) -> Floats:
+    """Arc lengths whose distances grow away from sharp corners as the gap between the curves."""
+    corners = _sharp_ends(curves, stations)
+    owner = np.searchsorted(curves.spans[:, 0], stations, side="right") - 1
+    kept = [stations[~np.isin(owner, [curve for curve, _ in corners])]]
+    for curve in sorted({curve for curve, _ in corners}):
+        low, high = curves.spans[curve].tolist()
+        part = (high - low) / (1 + np.count_nonzero(owner == curve))
+        both = (curve, 0) in corners and (curve, 1) in corners
+        room = (high - low) * (0.5 if both else 1.0) - 0.7 * part
+        fans = [
+            _fan(corners[curve, end], part, room) if (curve, end) in corners else np.empty(0)
+            for end in (0, 1)
+        ]
+        first, last = low + fans[0], high - fans[1][::-1]
+        start = first[-1] if len(first) else low
+        stop = last[0] if len(last) else high
+        count = max(round((stop - start) / part), 1)
+        kept += [first, np.linspace(start, stop, count + 1)[1:-1], last]
+    return np.sort(np.concatenate(kept))
+
+
+def _fan(angle: float, part: float, room: float) -> Floats:
+    """Distances from a sharp corner: one part, then as wide apart as the sides are there."""
+    places: list[float] = []
+    place = part
+    while place < room and len(places) < LONGEST_FAN:
+        places.append(place)
+        step = FAN * angle * place
+        if step > 0.8 * part:
+            break
+        place += step
+    return np.array(places)
+
+
+def _sharp_ends(curves: Curves, stations: Floats) -> dict[tuple[int, int], float]:
+    """Curves and their ends (0 or 1) that make a corner below `SHARP`, and its angle [rad]."""
+    inner = np.bincount(
+        np.searchsorted(curves.spans[:, 0], stations, side="right") - 1, minlength=len(curves.ends)
+    )
+    low, high = curves.spans.T
+    part = (high - low) / (inner + 1)
+    place = np.concatenate([curves.at(low + part), curves.at(high - part)])
+    node = curves.ends.T.ravel()
+    step = place - curves.nodes[node]
+    heading = np.arctan2(step[:, 1], step[:, 0])
+    order = np.lexsort((heading, node))
+    one, other = order, np.roll(order, -1)
+    # The last one at a node is beside the first one.
+    last = np.flatnonzero(np.diff(node[order], append=-1))
+    other[last] = order[np.concatenate([[0], last[:-1] + 1])]
+    between = (heading[other] - heading[one]) % (2.0 * np.pi)
+    found: dict[tuple[int, int], float] = {}
+    for k in np.flatnonzero((between < SHARP) & (one != other)).tolist():
+        for end in (one[k], other[k]):
+            curve, side = int(end % len(part)), int(end // len(part))
+            if inner[curve] and not curves.locked[curve]:
+                found[curve, side] = min(found.get((curve, side), np.inf), float(between[k]))
+    return found
 
 
 def _beside(ends: Floats, sides: Indices, place: Floats, node: Indices) -> Floats:

@@ -45,12 +45,14 @@ class GradedSize:
         finest: length on the lines.
         coarsest: length far away.
         growth: change of the length per distance.
+        lines: where the length is shortest.
         tree: places on the lines.
     """
 
     finest: float
     coarsest: float
     growth: float
+    lines: Geometry
     tree: cKDTree
 
     @classmethod
@@ -63,13 +65,20 @@ class GradedSize:
         if lines.is_empty or finest >= coarsest:
             return UniformSize(coarsest)
         places = shapely.get_coordinates(shapely.segmentize(lines, SPACING * finest))
-        return cls(finest, coarsest, growth, cKDTree(places))
+        return cls(finest, coarsest, growth, lines, cKDTree(places))
 
     def at(self, points: Floats) -> Floats:
         """Wanted edge lengths at points of shape (N, 2), shape (N,)."""
         reach = (self.coarsest - self.finest) / self.growth
         distance = self.tree.query(points, distance_upper_bound=reach)[0]
-        return np.minimum(self.coarsest, self.finest + self.growth * distance)
+        return np.asarray(np.minimum(self.coarsest, self.finest + self.growth * distance))
+
+    def exactly_at(self, points: Floats) -> Floats:
+        """The same with exact distances: slower, but the same wherever a drawing is the same."""
+        import shapely
+
+        distance = shapely.distance(self.lines, shapely.points(points))
+        return np.asarray(np.minimum(self.coarsest, self.finest + self.growth * distance))
 
 
 SizeField = UniformSize | GradedSize

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,7 +13,6 @@ from scipy.sparse.csgraph import connected_components
 from sheetmorph.core.errors import InputError
 from sheetmorph.geometry.features import place_name
 from sheetmorph.geometry.mesh import Floats
-from sheetmorph.geometry.triangulate import Indices
 
 if TYPE_CHECKING:
     from shapely import Geometry, Polygon
@@ -26,7 +25,9 @@ END = 0.03  # ends of an edge on a slit are this close to it
 MIDDLE = 0.12  # and its midpoint is this close: a chord leaves a curved slit a little
 
 
-def open_slits(nodes: Floats, triangles: Indices, slits: Geometry) -> tuple[Floats, Indices]:
+def open_slits(
+    nodes: Floats, triangles: NDArray[np.integer[Any]], slits: Geometry
+) -> tuple[Floats, NDArray[np.integer[Any]]]:
     """Open a mesh along slits: its nodes there are repeated so that the two sides part.
 
     The corners of triangles at a node stay together exactly when they are connected
@@ -71,7 +72,7 @@ def open_slits(nodes: Floats, triangles: Indices, slits: Geometry) -> tuple[Floa
     )
 
 
-def _on_slits(nodes: Floats, edges: Indices, slits: Geometry) -> NDArray[np.bool_]:
+def _on_slits(nodes: Floats, edges: NDArray[np.integer[Any]], slits: Geometry) -> NDArray[np.bool_]:
     """Which edges lie on slits, by position alone, shape (E,)."""
     import shapely
 
