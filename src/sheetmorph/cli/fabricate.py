@@ -83,7 +83,7 @@ def fabricate(
       sheetmorph fabricate bowl.toml --copies 4 --stock "300 mm, 200 mm"
     """
     from sheetmorph.fabricate.options import FabricationOptions
-    from sheetmorph.fabricate.package import fabricate_design
+    from sheetmorph.fabricate.package import check_folder, fabricate_design
     from sheetmorph.fabricate.printer import find_profile
 
     design = load_design(file, overrides)
@@ -108,6 +108,7 @@ def fabricate(
         **({} if spacing is None else {"spacing": _length(spacing, "--spacing") or 0.0}),
         papers=papers or PAPERS,
     )
+    check_folder(folder, force)
     with ProgressBar(quiet or as_json) as listener, naming(file):
         prediction = None if no_prediction else _predicted(design, result_folder, listener)
         package = fabricate_design(
