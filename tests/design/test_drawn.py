@@ -15,7 +15,7 @@ from sheetmorph.drawing.ink import Ink
 from sheetmorph.drawing.write_dxf import dxf_bytes
 from sheetmorph.drawing.write_svg import svg_bytes
 
-LEAF = Path(__file__).parents[1] / "drawing" / "leaf.svg"
+LEAF = Path(__file__).parents[2] / "examples" / "leaf" / "leaf.svg"
 SHEET = shapely.box(-0.03, -0.02, 0.03, 0.02)
 PATTERN = shapely.box(-0.02, -0.004, 0.02, 0.004)
 SLIT = shapely.LineString([(-0.01, 0.01), (0.01, 0.01)])

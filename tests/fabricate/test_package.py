@@ -212,3 +212,21 @@ def test_names_are_safe() -> None:
     assert len(safe_name("x" * 500)) == 60
     assert distinct(["A", "a", "A-2", "b"]) == ["A", "a-2", "A-2-2", "b"]
     assert distinct(["plate"], taken=["plate"]) == ["plate-2"]
+
+
+def test_a_slit_through_a_part_is_told(make, tmp_path) -> None:
+    text = """
+[outline]
+kind = "disc"
+radius = "50 mm"
+slits = [[["10 mm", "-20 mm"], ["10 mm", "20 mm"]]]
+[[pattern]]
+kind = "bar"
+start = ["START mm", "0 mm"]
+end = ["30 mm", "0 mm"]
+half_width = "3 mm"
+"""
+    crossed = fabricate_design(make(text.replace("START", "0")), tmp_path / "a", options=QUICK)
+    assert any("a slit runs through it near (10, " in warning for warning in crossed.warnings)
+    beside = fabricate_design(make(text.replace("START", "15")), tmp_path / "b", options=QUICK)
+    assert not any("slit" in warning for warning in beside.warnings)

@@ -57,7 +57,7 @@ def make_contents(
     """
     levels = levels_of(design)
     printed = [lay_on_bed(level, options.printer) for level in levels if level.part is not None]
-    warnings = check_stack(levels)
+    warnings = check_stack(levels) + _check_slits(design)
     for part in printed:
         warnings += _check_bed(part, options.printer)
         if part.level.part is not None:
@@ -86,6 +86,21 @@ def make_contents(
     files["assembly.html"] = assembly_html(sheet).encode("utf-8")
     files["assembly.pdf"] = assembly_pdf(sheet, options.papers[0] if options.papers else "a4")
     return Contents(files, sheet.warnings)
+
+
+def _check_slits(design: Design) -> list[str]:
+    """The model cuts all layers along a slit; a printed part is in one piece."""
+    warnings = []
+    for part in design.inert_parts:
+        crossing = design.layout.slits.intersection(part.region)
+        if crossing.length > 1e-6:
+            at = crossing.representative_point()
+            warnings.append(
+                f"{part.name}: a slit runs through it near ({1e3 * at.x:.4g}, {1e3 * at.y:.4g}) mm. "
+                "The computed shape is cut there through all layers: cut the part too, before you "
+                "glue it."
+            )
+    return warnings
 
 
 def _check_bed(part: PrintedPart, profile: PrinterProfile) -> list[str]:
