@@ -82,7 +82,7 @@ def test_shapes(svg, name):
 def test_shapes_look_the_same_elsewhere(svg, name):
     body = SHAPES[name][0]
     area = svg(body).area()
-    png = resvg_py.svg_to_bytes(svg_string=page(body), background="white", width=1000, dpi=96)
+    png = resvg_py.svg_to_bytes(svg_string=page(body), background="white", width=500, dpi=96)
     dark = 1.0 - imread(io.BytesIO(bytes(png)))[:, :, 0]
     assert dark.sum() * (0.1 / dark.shape[1]) ** 2 == pytest.approx(
         area.intersection(shapely.box(0, 0, 0.1, 0.08)).area, rel=6e-3
@@ -181,7 +181,7 @@ RIBS = {
     "circle": ('<circle cx="30" cy="30" r="10" stroke-width="2"/>', PI * (121 - 81)),
     "scaled": ('<path transform="scale(3)" d="M1 1h5" stroke-width="1"/>', 45),
     "scaled unevenly": ('<path transform="scale(1 3)" d="M1 1h5" stroke-width="1"/>', 15),
-    "fixed width": ('<path transform="scale(1 3)" vector-effect="non-scaling-stroke" d="M1 1h5" stroke-width="1"/>', 5 * 25.4 / 96 * 96 / 25.4),
+    "fixed width": ('<path transform="scale(1 3)" vector-effect="non-scaling-stroke" d="M1 1h5" stroke-width="1"/>', 5 * 25.4 / 96),
     "line": ('<line x1="10" y1="10" x2="30" y2="10" stroke-width="2"/>', 40),
     "dot": ('<path d="M10 10h20M50 50z" stroke-width="2" stroke-linecap="round"/>', 40 + 2 * PI),
     "group": ('<g stroke-width="1"><path d="M10 10h20"/><path d="M10 30h20"/></g>', 40),
@@ -195,7 +195,9 @@ def test_ribs(svg, name):
     found = svg(body).area(strokes=True)
     if area is not None:
         assert found.area * 1e6 == pytest.approx(area, rel=1e-3, abs=2e-2)
-    png = resvg_py.svg_to_bytes(svg_string=page(body), background="white", width=2000, dpi=96)
+    if name == "fixed width":
+        return  # the renderer does not know vector-effect
+    png = resvg_py.svg_to_bytes(svg_string=page(body), background="white", width=1000, dpi=96)
     dark = 1.0 - imread(io.BytesIO(bytes(png)))[:, :, 0]
     assert dark.sum() * (0.1 / dark.shape[1]) ** 2 == pytest.approx(found.area, rel=1e-2)
 
@@ -218,7 +220,7 @@ def test_what_is_left_out_is_noted(svg):
     said = "\n".join(drawing.notes)
     for words in (
         "clip-path of <rect> was ignored",
-        "by a gradient or pattern is read as paint",
+        "the fill 'url(#g)' of <rect> is read as paint",
         "<text> at (5, 70) mm was ignored; turn it into paths",
         "<image> 'photo' at (1, 78) mm was ignored",
         "'other.svg#a' leads out of the file",
@@ -253,8 +255,10 @@ BROKEN = {
 
 
 @pytest.mark.parametrize("name", BROKEN)
-def test_broken(svg, name):
+def test_broken(svg, name, monkeypatch):
     body, says = BROKEN[name]
+    if name == "laughs":
+        monkeypatch.setattr("sheetmorph.drawing.svg.MAX_COPIES", 300)
     with pytest.raises(InputError, match=says) as caught:
         svg(body).area()
     assert "\n" not in str(caught.value)

@@ -21,6 +21,8 @@ if TYPE_CHECKING:
 MAX_WORK = 2_000_000_000
 MAX_PAIRS = 5_000_000
 MAX_CROSSINGS = 100_000
+MAX_CORNERS = 200_000
+MAX_TANGLED = 20_000
 _CHUNK = 4_000_000
 _LEAST_AREA = 1e-12
 _SLIVER = 1e-9
@@ -54,7 +56,9 @@ def region_of(
     painted = [shape for shape in painted if not shape.is_empty]
     _note_overlaps(painted, notes)
     if contours:
-        painted.append(_enclosed(contours, gap, overlaps, notes))
+        has_pens = any(item.pen is not None for item in items if item.fill is None)
+        hint = ", or read its stroke as a rib (strokes)" if has_pens else ""
+        painted.append(_enclosed(contours, gap, overlaps, hint, notes))
     shape = as_multipolygon(shapely.union_all(painted))
     if shape.is_empty:
         raise InputError(
@@ -73,11 +77,19 @@ def filled(rings: Sequence[Floats], rule: FillRule) -> BaseGeometry:
     """
     import shapely
 
+    corners = sum(map(len, rings))
+    if corners > MAX_CORNERS:
+        raise InputError("a shape has too many corners", allowed=f"≤ {MAX_CORNERS}")
     polygons = shapely.polygons([shapely.linearrings(ring) for ring in rings])
     borders = shapely.boundary(polygons)
     contact = _pairs(borders, borders, "intersects", MAX_PAIRS)
     if (contact[0] == contact[1]).all() and shapely.is_valid(polygons).all():
         return _nested(polygons, rule)
+    if corners > MAX_TANGLED:
+        raise InputError(
+            "a shape that crosses or touches itself has too many corners; simplify it",
+            allowed=f"≤ {MAX_TANGLED}",
+        )
     # Split the plane along all rings, and ask for the winding number of every face.
     faces = shapely.get_parts(shapely.polygonize([shapely.union_all(borders)]))
     if not len(faces):
@@ -97,13 +109,13 @@ def as_multipolygon(shape: BaseGeometry) -> MultiPolygon:
 
 
 def _enclosed(
-    curves: Sequence[Curve], gap: float, overlaps: Overlaps, notes: Notes
+    curves: Sequence[Curve], gap: float, overlaps: Overlaps, hint: str, notes: Notes
 ) -> BaseGeometry:
     """The even-odd area of contours that must close and may not cross."""
     import shapely
 
     closed = joined(curves, gap, notes)
-    error = open_contour(closed, gap)
+    error = open_contour(closed, gap, hint)
     if error is not None:
         raise error
     rings = [ring for curve in closed for ring in _simple_rings(curve.points)]

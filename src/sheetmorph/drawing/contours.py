@@ -74,8 +74,8 @@ def joined(curves: Sequence[Curve], gap: float, notes: Notes) -> list[Curve]:
     return _once(found, notes)
 
 
-def open_contour(curves: Iterable[Curve], gap: float) -> InputError | None:
-    """What to say of curves that do not close, or None when all are closed."""
+def open_contour(curves: Iterable[Curve], gap: float, hint: str = "") -> InputError | None:
+    """What to say of curves that do not close, with a hint, or None when all are closed."""
     loose = [curve for curve in curves if not curve.closed]
     if not loose:
         return None
@@ -95,7 +95,7 @@ def open_contour(curves: Iterable[Curve], gap: float) -> InputError | None:
         )
     return InputError(
         f"open contour: ends at {at(a)} and {at(b)} are {mm(apart)} apart{more}; "
-        f"close it in the drawing; allowed gap {mm(gap)}"
+        f"close it in the drawing{hint}; allowed gap {mm(gap)}"
     )
 
 
@@ -186,11 +186,22 @@ def _by_direction(members: Sequence[int], loose: Sequence[Curve]) -> list[int]:
 
 def _once(curves: Sequence[Curve], notes: Notes) -> list[Curve]:
     """Leave out copies: curves that agree to 0.1 µm in box, length, middle and ends."""
+    if len(curves) < 2:
+        return list(curves)
+    points = np.vstack([curve.points for curve in curves])
+    first = np.cumsum([0, *(len(curve.points) for curve in curves[:-1])])
+    boxes = [pick.reduceat(points, first, axis=0) for pick in (np.minimum, np.maximum)]
+    _, group, count = np.unique(
+        _on_grid(np.hstack(boxes)), axis=0, return_inverse=True, return_counts=True
+    )
+    shared = count[group.ravel()] > 1
     kept: list[Curve] = []
     seen: set[tuple[int, ...]] = set()
-    for curve in curves:
-        # An offset keeps the round numbers of drawings off the limits of the grid.
-        key = tuple(np.floor(_features(curve) / _COPY + 0.37).astype(np.int64).tolist())
+    for curve, has_rivals in zip(curves, shared.tolist(), strict=True):
+        if not has_rivals:
+            kept.append(curve)
+            continue
+        key = tuple(_on_grid(_features(curve)).tolist())
         if (*key, curve.closed) in seen:
             what = "contour" if curve.closed else "line"
             notes.add(
@@ -201,6 +212,11 @@ def _once(curves: Sequence[Curve], notes: Notes) -> list[Curve]:
         seen.add((*key, curve.closed))
         kept.append(curve)
     return kept
+
+
+def _on_grid(values: Floats) -> NDArray[np.int64]:
+    """Cells of a grid; an offset keeps the round numbers of drawings off its limits."""
+    return np.floor(values / _COPY + 0.37).astype(np.int64)
 
 
 def _features(curve: Curve) -> Floats:

@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from ezdxf.entities.insert import Insert
 
 MAX_DEPTH = 16
-MAX_COPIES = 20_000
+MAX_COPIES = 5_000
 INSUNITS: dict[int, float] = {
     1: 0.0254,
     2: 0.3048,

@@ -127,13 +127,50 @@ def _spline(entity: Any, tolerance: float, budget: Budget) -> Pieces:
 
 
 def _flattened(curve: Any, tolerance: float, budget: Budget) -> Floats:
-    # The library halves a chord until its middle is near enough, which may be luck at a
-    # point of inflection: a quarter of the tolerance and four parts a span leave none.
-    points = np.array(
-        [_point(point) for point in curve.flattening(tolerance / 4.0, segments=4)]
-    ).reshape(-1, 3)
-    budget.vertices(len(points))
-    return points
+    """Points on a B-spline, weighted or not, shape (N, 3), by halving what is not yet straight."""
+    from scipy.interpolate import BSpline
+
+    degree = int(curve.degree)
+    controls = np.array([_point(point) for point in curve.control_points]).reshape(-1, 3)
+    weights = np.array([float(w) for w in curve.weights()] or np.ones(len(controls)))
+    knots = np.array([float(knot) for knot in curve.knots()])
+    domain = np.unique(knots[degree : len(controls) + 1])
+    table = np.column_stack([controls * weights[:, None], weights])
+    if not (np.isfinite(table).all() and np.isfinite(knots).all()) or (weights <= 0.0).any():
+        raise InputError(
+            "a spline has a number that is not finite or a weight that is not positive"
+        )
+    if len(domain) < 2 or len(knots) != len(controls) + degree + 1 or (np.diff(knots) < 0.0).any():
+        raise InputError("a spline has knots that do not fit its control points")
+    spline = BSpline(knots, table, degree)
+
+    def at(parameters: Floats) -> Floats:
+        values = spline(np.minimum(parameters, domain[-1]))
+        return np.asarray(values[:, :3] / values[:, 3:], dtype=np.float64)
+
+    # Four parts a span and a quarter of the tolerance: the middle of a chord may lie on the
+    # curve by luck, at a point of inflection.
+    t = np.interp(np.arange(4 * len(domain) - 3) / 4.0, np.arange(len(domain)), domain)
+    budget.vertices(len(t))
+    points = at(t)
+    while True:
+        middle = (t[1:] + t[:-1]) / 2.0
+        halves = at(middle)
+        rough = np.flatnonzero(_off_chord(points, halves) > tolerance / 4.0)
+        if not len(rough):
+            return points
+        budget.vertices(len(rough))
+        t = np.insert(t, rough + 1, middle[rough])
+        points = np.insert(points, rough + 1, halves[rough], axis=0)
+
+
+def _off_chord(points: Floats, halves: Floats) -> Floats:
+    """Distances of points, shape (N − 1, 3), from the chords between neighbours, shape (N, 3)."""
+    chord, reach = np.diff(points, axis=0), halves - points[:-1]
+    square = (chord * chord).sum(axis=1)
+    share = (reach * chord).sum(axis=1) / np.where(square > 0.0, square, 1.0)
+    away = reach - np.clip(share, 0.0, 1.0)[:, None] * chord
+    return np.asarray(np.linalg.norm(away, axis=1), dtype=np.float64)
 
 
 def _solid(entity: Any, _tolerance: float, budget: Budget) -> Pieces:

@@ -27,7 +27,7 @@ def arc(
     A circle's sagitta r (1 − cos Δφ/2) bounds the chord error, with the larger half-axis
     as radius. A full turn does not repeat its first point.
     """
-    size = max(float(np.linalg.norm(u)), float(np.linalg.norm(v)))
+    size = max(math.hypot(*u), math.hypot(*v))
     ratio = min(tolerance / size, 1.0) if size > 0.0 else 1.0
     step = min(2.0 * math.acos(1.0 - ratio), 2.0 * math.pi / _LEAST_PER_TURN)
     # Below a ratio of 1e-16 the cosine is one: the budget refuses the infinite number.

@@ -129,6 +129,8 @@ class Drawing:
         self, select: str | None = None, *, strokes: bool = False, overlaps: Overlaps = "error"
     ) -> Region:
         """The area of a selection with the notes of its making; see `area`."""
+        from shapely.errors import GEOSException
+
         from sheetmorph.drawing.areas import region_of
 
         if overlaps not in ("error", "union"):
@@ -139,6 +141,10 @@ class Drawing:
             )
         except InputError as error:
             raise self._located(error, select) from error.__cause__
+        except (GEOSException, MemoryError) as error:
+            raise self._located(
+                InputError("the shapes are too tangled to be united; simplify them"), select
+            ) from error
 
     def lines(self, select: str | None = None) -> MultiLineString:
         """The lines of a selection [m], joined where ends meet; closed ones come back.

@@ -10,7 +10,7 @@ from sheetmorph.drawing.model import Floats
 
 MAX_NOTES_OF_A_KIND = 20
 MAX_VERTICES = 1_000_000
-MAX_ENTITIES = 200_000
+MAX_ENTITIES = 100_000
 
 
 def at(point: Sequence[float] | Floats) -> str:

@@ -7,6 +7,8 @@ from collections.abc import Callable
 from pathlib import Path
 from types import MappingProxyType
 
+import numpy as np
+
 from sheetmorph.core.errors import InputError, nearest
 from sheetmorph.drawing.dxf import read_dxf
 from sheetmorph.drawing.model import Drawing
@@ -67,7 +69,9 @@ def read_drawing(
             )
     request = Request(unit, flatness, gap)
     try:
-        contents, length = READERS[ending](_content(file), request)
+        # Numbers that overflow are refused by the readers, not warned of.
+        with np.errstate(over="ignore", invalid="ignore"):
+            contents, length = READERS[ending](_content(file), request)
         check_extent(contents.items, length)
     except InputError as error:
         raise error.located(file) from error.__cause__

@@ -3,36 +3,39 @@
 from __future__ import annotations
 
 import io
-import re
+import logging
+import tempfile
+import warnings
 import zipfile
 import zlib
-from xml.etree.ElementTree import Element
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-from sheetmorph.core.errors import InputError
+from sheetmorph.core.errors import InputError, shorten
+from sheetmorph.drawing.markup import parsed
 from sheetmorph.drawing.model import Curve, DrawnItem, Floats
 from sheetmorph.drawing.notes import at, mm
 from sheetmorph.drawing.request import MAX_COORDINATE, Contents, Request
-from sheetmorph.drawing.svg_numbers import numbers
 
 MAX_TRIANGLES = 200_000
-MAX_INFLATED = 100 * 2**20
+MAX_INFLATED = 50 * 2**20
+MAX_ELEMENTS = 1_000_000
 MAX_DEPTH = 8
 MAX_PARTS = 2000
-UNITS_3MF: dict[str, float] = {
-    "micron": 1e-6,
-    "millimeter": 1e-3,
-    "centimeter": 1e-2,
-    "inch": 0.0254,
-    "foot": 0.3048,
-    "meter": 1.0,
-}
+UNITS_3MF = (
+    ("micron", 1e-6),
+    ("millimeter", 1e-3),
+    ("centimeter", 1e-2),
+    ("inch", 0.0254),
+    ("foot", 0.3048),
+    ("meter", 1.0),
+)
+"""The units of 3MF and their lengths [m], in the order of lib3mf's enumeration."""
 
-_FLOAT = rb"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?"
-_VERTEX = re.compile(rb"vertex\s+(" + rb"\s+".join([_FLOAT] * 3) + rb")")
-_RECORD = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("mark", "<u2")])
 # Faces steeper than this stand upright (cosine of the angle to the plane's normal).
 _UPRIGHT = 1e-4
 _TILTED = 1e-6
@@ -44,24 +47,18 @@ def read_stl(data: bytes, request: Request) -> tuple[Contents, float]:
     Raises:
         InputError: damaged, cut off, or without flat faces.
     """
+    import trimesh
+
     unit = request.scale or 1e-3
-    count = int.from_bytes(data[80:84], "little")
-    if len(data) >= 84 and len(data) == 84 + 50 * count:
-        _check_count(count)
-        corners = np.frombuffer(data, _RECORD, offset=84)["corners"].astype(np.float64)
-    elif data.lstrip().startswith(b"solid"):
-        if b"endsolid" not in data[-300:]:
-            raise InputError("the file is cut off or damaged: it does not end with endsolid")
-        _check_count(data.count(b"facet normal"))
-        found = _VERTEX.findall(data)
-        if len(found) != 3 * data.count(b"facet normal") or data.count(b"vertex") != len(found):
-            raise InputError("the file is damaged: a facet has not three corners")
-        corners = np.array(b" ".join(found).split(), dtype=np.float64).reshape(-1, 3, 3)
-    else:
-        raise InputError(
-            f"is no readable STL file, or it is cut off: {count} triangles are announced, "
-            f"{max(len(data) - 84, 0) // 50} are there"
-        )
+    count = _announced(data)
+    try:
+        with _quiet():
+            mesh = trimesh.load_mesh(io.BytesIO(data), file_type="stl", process=False)
+        corners = np.asarray(mesh.triangles, dtype=np.float64)
+    except Exception as error:
+        raise InputError(f"is no readable STL file ({shorten(str(error), 80)})") from error
+    if len(corners) != count:
+        raise InputError("the file is damaged: a facet has not three corners")
     contents = Contents()
     # Single precision moves a corner by 1e-7 of its distance: corners are one within that.
     contents.add(_plan(_welded(corners) * unit, "the solid", request), [])
@@ -74,30 +71,24 @@ def read_3mf(data: bytes, request: Request) -> tuple[Contents, float]:
     Raises:
         InputError: damaged, beyond the bounds, or without flat faces.
     """
-    root = _model(data)
-    unit_word = root.get("unit", "millimeter")
-    own = UNITS_3MF.get(unit_word)
-    if own is None:
-        raise InputError(
-            "no such unit in 3MF", key="unit", value=unit_word, allowed=", ".join(UNITS_3MF)
-        )
+    _check_archive(data)
+    model = _model(data, request)
+    word, own = UNITS_3MF[int(model.GetUnit())]
     unit = request.scale or own
     if unit != own:
-        request.notes.add("unit", f"the file is in {unit_word}s; read as {request.unit}")
-    objects = {
-        element.get("id", ""): element for element in root.iter() if _tag(element) == "object"
-    }
-    items = [element for element in root.iter() if _tag(element) == "item"]
+        request.notes.add("unit", f"the file is in {word}s; read as {request.unit}")
     contents = Contents()
     spent = [0, 0]
-    for item in items[:MAX_PARTS]:
-        target = objects.get(item.get("objectid", ""))
-        if target is None:
-            raise InputError("the file builds an object that it does not hold")
-        parts = _triangles(target, objects, _matrix(item), spent, 0)
-        name = target.get("name") or f"object {target.get('id', '')}"
-        if len(parts):
-            contents.add(_plan(parts * unit, repr(name[:60]), request), [("object", name)])
+    items = model.GetBuildItems()
+    while items.MoveNext():
+        item = items.GetCurrent()
+        target = item.GetObjectResource()
+        placed = _matrix(item.GetObjectTransform())
+        corners = _triangles(target, placed, spent, 0)
+        name = target.GetName() or f"object {target.GetModelResourceID()}"
+        if len(corners):
+            plan = _plan(_welded(corners) * unit, repr(name[:60]), request)
+            contents.add(plan, [("object", name)])
     if not contents.items:
         raise InputError("the file builds no object with triangles")
     return contents, unit
@@ -167,87 +158,113 @@ def _check_count(count: int) -> None:
         )
 
 
-def _model(data: bytes) -> Element:
-    """The root of the model in the archive, inflated within bounds."""
-    from defusedxml.common import DefusedXmlException  # type: ignore[import-untyped]
-    from defusedxml.ElementTree import fromstring  # type: ignore[import-untyped]
+@contextmanager
+def _quiet() -> Iterator[None]:
+    """Without the log of trimesh; older numpy warns of a text that is no number and reads on."""
+    log = logging.getLogger("trimesh")
+    before, log.disabled = log.disabled, True
+    try:
+        with warnings.catch_warnings():
+            warnings.filterwarnings("error", "string or file could not be read")
+            yield
+    finally:
+        log.disabled = before
 
+
+def _announced(data: bytes) -> int:
+    """How many triangles an STL file says it has, after a check that it is whole."""
+    count = int.from_bytes(data[80:84], "little")
+    if len(data) < 84 or len(data) != 84 + 50 * count:
+        if not data.lstrip().startswith(b"solid"):
+            raise InputError(
+                f"is no readable STL file, or it is cut off: {count} triangles are announced, "
+                f"{max(len(data) - 84, 0) // 50} are there"
+            )
+        if b"endsolid" not in data[-300:]:
+            raise InputError("the file is cut off or damaged: it does not end with endsolid")
+        count = data.count(b"facet normal")
+        if data.count(b"vertex") != 3 * count:
+            raise InputError("the file is damaged: a facet has not three corners")
+    _check_count(count)
+    return count
+
+
+def _check_archive(data: bytes) -> None:
+    """Refuse an archive that inflates too far, or whose XML has entities."""
     try:
         with zipfile.ZipFile(io.BytesIO(data)) as archive:
-            names = [name for name in archive.namelist() if name.lower().endswith(".model")]
-            # Some programs keep the meshes in models of their own; the one above names them.
-            names.sort(key=lambda name: (name.count("/"), name))
-            if not names:
-                raise InputError("is no 3MF file: the archive holds no model")
-            with archive.open(names[0]) as stream:
-                text = stream.read(MAX_INFLATED + 1)
-    except (zipfile.BadZipFile, zlib.error, EOFError, ValueError, NotImplementedError) as error:
+            members = archive.infolist()
+            if sum(member.file_size for member in members) > MAX_INFLATED:
+                raise InputError(
+                    "what the archive holds is too large", allowed=f"≤ {MAX_INFLATED // 2**20} MB"
+                )
+            models = 0
+            for member in members:
+                if member.filename.lower().endswith((".model", ".rels")):
+                    what = f"{member.filename[-60:]!r} in the archive"
+                    parsed(archive.read(member), what, MAX_ELEMENTS, forbid_dtd=True)
+                    models += member.filename.lower().endswith(".model")
+    except (zipfile.BadZipFile, zlib.error, EOFError, ValueError, RuntimeError, OSError) as error:
         raise InputError(
-            f"is no readable 3MF file, or it is cut off ({str(error)[:80]})"
+            f"is no readable 3MF file, or it is cut off ({shorten(str(error), 80)})"
         ) from error
-    except (RuntimeError, OSError, IndexError) as error:
-        raise InputError(f"is no readable 3MF file ({str(error)[:80]})") from error
-    if len(text) > MAX_INFLATED:
-        raise InputError(
-            "the model in the archive is too large", allowed=f"≤ {MAX_INFLATED // 2**20} MB"
-        )
+    if not models:
+        raise InputError("is no 3MF file: the archive holds no model")
+
+
+def _model(data: bytes, request: Request) -> Any:
+    """The model as lib3mf reads it; what it found odd is noted."""
+    import lib3mf
+
+    model = lib3mf.get_wrapper().CreateModel()
+    reader = model.QueryReader("3mf")
     try:
-        return fromstring(text, forbid_dtd=True)  # type: ignore[no-any-return]
-    except (DefusedXmlException, ValueError, SyntaxError, LookupError) as error:
-        raise InputError(f"the model in the archive is damaged ({str(error)[:80]})") from error
+        # From a buffer lib3mf would make a Python number of every byte.
+        with tempfile.TemporaryDirectory() as folder:
+            file = Path(folder) / "a.3mf"
+            file.write_bytes(data)
+            reader.ReadFromFile(str(file))
+    except lib3mf.ELib3MFException as error:
+        text = str(error).partition(": ")[2] or "damaged"
+        raise InputError(f"is no readable 3MF file ({shorten(text, 100)})") from error
+    for k in range(reader.GetWarningCount()):
+        _code, text = reader.GetWarning(k)
+        if "unit" in text.lower():
+            words = ", ".join(word for word, _ in UNITS_3MF)
+            raise InputError("no such unit in 3MF", key="unit", allowed=words)
+        request.notes.add("3MF", f"the file is not quite 3MF: {shorten(text, 100)}")
+    return model
 
 
-def _triangles(
-    element: Element, objects: dict[str, Element], matrix: Floats, spent: list[int], depth: int
-) -> Floats:
+def _triangles(target: Any, matrix: Floats, spent: list[int], depth: int) -> Floats:
     """The triangles of an object and its components, shape (T, 3, 3), in units of the file."""
+    import lib3mf
+
     spent[0] += 1
     if depth > MAX_DEPTH or spent[0] > MAX_PARTS:
         raise InputError("the objects of the file are too many or nested too deeply")
-    found: list[Floats] = []
-    for node in element:
-        if _tag(node) == "mesh":
-            vertices, triangles = _mesh(node)
-            spent[1] += len(triangles)
-            _check_count(max(spent[1], 1))
-            found.append((vertices @ matrix[:3] + matrix[3])[triangles])
-        for part in node if _tag(node) == "components" else ():
-            target = objects.get(part.get("objectid", ""))
-            if target is None or any(name.endswith("}path") for name in part.attrib):
-                raise InputError(
-                    "an object is kept in another part of the archive, which is not read; "
-                    "export one plain 3MF model"
-                )
-            placed = _matrix(part)
-            both = np.vstack([placed[:3] @ matrix[:3], placed[3] @ matrix[:3] + matrix[3]])
-            found.append(_triangles(target, objects, both, spent, depth + 1))
-    return np.concatenate(found) if found else np.empty((0, 3, 3))
+    if target.IsMeshObject():
+        spent[1] += target.GetTriangleCount()
+        _check_count(max(spent[1], 1))
+        points, corners = target.GetVertices(), target.GetTriangleIndices()
+        if not corners:
+            return np.empty((0, 3, 3))
+        vertices = np.frombuffer((lib3mf.Position * len(points))(*points), np.float32)
+        indices = np.frombuffer((lib3mf.Triangle * len(corners))(*corners), np.uint32)
+        placed = vertices.reshape(-1, 3).astype(np.float64) @ matrix[:3] + matrix[3]
+        return np.asarray(placed[indices.reshape(-1, 3)], dtype=np.float64)
+    found = [np.empty((0, 3, 3))]
+    for k in range(target.GetComponentCount() if target.IsComponentsObject() else 0):
+        part = target.GetComponent(k)
+        placed = _matrix(part.GetTransform())
+        both = np.vstack([placed[:3] @ matrix[:3], placed[3] @ matrix[:3] + matrix[3]])
+        found.append(_triangles(part.GetObjectResource(), both, spent, depth + 1))
+    return np.concatenate(found)
 
 
-def _mesh(node: Element) -> tuple[Floats, NDArray[np.int64]]:
-    try:
-        vertices = [[float(v.attrib[k]) for k in "xyz"] for v in node.iter() if _tag(v) == "vertex"]
-        corners = [
-            [int(t.attrib[k]) for k in ("v1", "v2", "v3")]
-            for t in node.iter()
-            if _tag(t) == "triangle"
-        ]
-        points = np.array(vertices, dtype=np.float64).reshape(-1, 3)
-        triangles = np.array(corners, dtype=np.int64).reshape(-1, 3)
-    except (KeyError, ValueError, OverflowError) as error:
-        raise InputError("a mesh in the file is damaged") from error
-    if len(triangles) and (triangles.min() < 0 or triangles.max() >= len(points)):
-        raise InputError("a triangle in the file refers to a vertex that does not exist")
-    return points, triangles
-
-
-def _matrix(element: Element) -> Floats:
-    """The `transform` of an element for row vectors, shape (4, 3)."""
-    values = numbers(element.get("transform", "1 0 0 0 1 0 0 0 1 0 0 0"))
-    if len(values) != 12:
-        raise InputError("a transform in the file has not twelve numbers")
-    return np.array(values).reshape(4, 3)
-
-
-def _tag(element: Element) -> str:
-    return element.tag.rpartition("}")[2] if isinstance(element.tag, str) else ""
+def _matrix(transform: Any) -> Floats:
+    """A transform of lib3mf for row vectors, shape (4, 3)."""
+    matrix = np.array([list(row) for row in transform.Fields], dtype=np.float64)
+    if not np.isfinite(matrix).all():
+        raise InputError("a transform in the file is not finite, or too large")
+    return matrix

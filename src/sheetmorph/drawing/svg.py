@@ -10,9 +10,9 @@ from xml.etree.ElementTree import Element
 import numpy as np
 
 from sheetmorph.core.errors import InputError
-from sheetmorph.drawing.colours import colour_hex
+from sheetmorph.drawing.markup import local, parsed
 from sheetmorph.drawing.model import Curve, DrawnItem, FillRule, Floats, Pen
-from sheetmorph.drawing.notes import at
+from sheetmorph.drawing.notes import MAX_ENTITIES, at
 from sheetmorph.drawing.request import Contents, Request
 from sheetmorph.drawing.svg_numbers import (
     IDENTITY,
@@ -26,9 +26,10 @@ from sheetmorph.drawing.svg_numbers import (
 )
 from sheetmorph.drawing.svg_page import Page, page_of
 from sheetmorph.drawing.svg_shapes import SHAPES, outline
-from sheetmorph.drawing.svg_style import INITIAL, StyleSheet, inherited, local
+from sheetmorph.drawing.svg_style import INITIAL, StyleSheet, inherited, is_clear, paint
 
 MAX_DEPTH = 64
+MAX_COPIES = 10_000
 _LABEL = "{http://www.inkscape.org/namespaces/inkscape}label"
 _LINK = ("href", "{http://www.w3.org/1999/xlink}href")
 _GROUPS = ("g", "a", "switch", "svg", "symbol")
@@ -42,9 +43,9 @@ class _Place:
     matrix: Floats
     style: Mapping[str, str]
     names: tuple[tuple[str, str], ...]
-    ancestors: tuple[Element, ...]
     view: tuple[float, float]
     depth: int = 0
+    copied: bool = False
 
 
 def read_svg(data: bytes, request: Request) -> tuple[Contents, float]:
@@ -63,22 +64,12 @@ def read_svg(data: bytes, request: Request) -> tuple[Contents, float]:
     Raises:
         InputError: not an SVG, damaged, or beyond the bounds.
     """
-    from defusedxml.common import DefusedXmlException  # type: ignore[import-untyped]
-    from defusedxml.ElementTree import fromstring  # type: ignore[import-untyped]
-
-    try:
-        root = fromstring(data, forbid_dtd=False)
-    except DefusedXmlException as error:
-        raise InputError(
-            "the file defines XML entities, which are not read; save it as plain SVG"
-        ) from error
-    except (ValueError, SyntaxError, LookupError) as error:
-        raise InputError(f"is no readable SVG file ({str(error)[:100]})") from error
+    root = parsed(data, "the file", MAX_ENTITIES, forbid_dtd=False)
     if local(root) != "svg":
         raise InputError("is no SVG file: the outermost element is no <svg>", value=root.tag[:60])
     page = page_of(root, request)
     walk = _Walk(root, page, request)
-    place = _Place(page.matrix, INITIAL, (), (), page.view)
+    place = _Place(page.matrix, INITIAL, (), page.view)
     walk.visit(root, place)
     return walk.contents, page.unit
 
@@ -92,6 +83,7 @@ class _Walk:
         self._page = page
         self._request = request
         self._sheet = StyleSheet(root, request.notes)
+        self._copies = 0
         self._by_id: dict[str, Element] = {}
         for element in root.iter():
             self._by_id.setdefault(element.get("id", ""), element)
@@ -99,6 +91,12 @@ class _Walk:
     def visit(self, element: Element, place: _Place, size: tuple[str, str] | None = None) -> None:
         """Read an element and all below; `size` is what a <use> says of its symbol."""
         self._request.budget.entity()
+        self._copies += place.copied
+        if self._copies > MAX_COPIES:
+            raise InputError(
+                "the drawing has too many elements when every <use> is unfolded",
+                allowed=f"≤ {MAX_COPIES} copies",
+            )
         if place.depth > MAX_DEPTH:
             raise InputError(
                 "elements are nested too deeply, or a <use> contains itself",
@@ -121,11 +119,11 @@ class _Walk:
             return
         if tag == "symbol" and size is None:
             return
-        declared = self._sheet.declared(element, place.ancestors)
+        declared = self._sheet.declared(element)
         if declared.get("display") == "none":
             return
         notes = self._request.notes
-        if _share(declared.get("opacity", "1")) <= 0.0:
+        if is_clear(declared.get("opacity", "1")):
             notes.add("invisible", f"{_called(element)} is fully transparent and was ignored")
             return
         for name in ("clip-path", "mask"):
@@ -139,7 +137,6 @@ class _Walk:
             matrix=matrix,
             style=inherited(place.style, declared),
             names=place.names + _names(element),
-            ancestors=(*place.ancestors, element),
             depth=place.depth + 1,
         )
         if tag in SHAPES:
@@ -147,7 +144,7 @@ class _Walk:
         elif tag == "use":
             self._use(element, inner)
         elif tag in _UNREAD:
-            corner = [length(element.get(k, "0").split()[0], 0.0, k) for k in "xy"]
+            corner = [length((element.get(k, "").split() or ["0"])[0], 0.0, k) for k in "xy"]
             where = at(applied(matrix, np.array([corner]))[0])
             hint = "; turn it into paths to have it read" if tag == "text" else ""
             notes.add(tag, f"{_called(element)} at {where} was ignored{hint}")
@@ -194,7 +191,7 @@ class _Walk:
         size = (element.get("width", ""), element.get("height", ""))
         self.visit(
             target,
-            replace(place, matrix=compose(place.matrix, move)),
+            replace(place, matrix=compose(place.matrix, move), copied=True),
             size if local(target) in ("svg", "symbol") else None,
         )
 
@@ -205,12 +202,18 @@ class _Walk:
         # A singular map flattens its shapes to a line; the smallest of tolerances serves it.
         factor = stretch(place.matrix)
         tolerance = self._request.flatness / factor if factor > 0.0 else math.inf
-        fill = self._paint(element, style, "fill") if local(element) != "line" else None
-        stroke = self._paint(element, style, "stroke")
-        width = length(style["stroke-width"], math.hypot(*place.view) / math.sqrt(2.0), "width")
+        fill, stroke = (paint(style, what) for what in ("fill", "stroke"))
+        if local(element) == "line":
+            fill = None
         if fill is None and stroke is None:
             notes.add("unpainted", f"{_called(element)} is not painted and was ignored")
             return
+        for what, colour in (("fill", fill), ("stroke", stroke)):
+            if colour == "":
+                notes.add(
+                    "paint",
+                    f"the {what} {style[what][:40]!r} of {_called(element)} is read as paint",
+                )
         budget = self._request.budget
         drawn = outline(element, place.view, tolerance, budget)
         if not all(np.isfinite(curve.points).all() for curve in drawn):
@@ -223,28 +226,28 @@ class _Walk:
         rule: FillRule | None = None
         if fill is not None and any(len(curve.points) > 2 for curve in curves):
             rule = "evenodd" if style["fill-rule"] == "evenodd" else "nonzero"
-        pen = None
-        if stroke is not None and width > 0.0:
-            pen = self._pen(drawn, width, place, declared)
-            if style["stroke-dasharray"] not in ("none", ""):
-                notes.add("dashes", f"the dashes of {_called(element)} were read as a full line")
+        pen = None if stroke is None else self._pen(drawn, place, declared)
+        if pen is not None and style["stroke-dasharray"] not in ("none", ""):
+            notes.add("dashes", f"the dashes of {_called(element)} were read as a full line")
         if not curves and pen is None:
             return
-        colours = [("colour", paint) for paint in (fill, stroke) if paint]
+        colours = [("colour", colour) for colour in (fill, stroke) if colour]
         self.contents.add(DrawnItem(curves, rule, pen), (*place.names, *colours))
 
-    def _pen(
-        self, drawn: list[Curve], width: float, place: _Place, declared: Mapping[str, str]
-    ) -> Pen:
+    def _pen(self, drawn: list[Curve], place: _Place, declared: Mapping[str, str]) -> Pen | None:
         style, matrix = place.style, place.matrix
+        whole = math.hypot(*place.view) / math.sqrt(2.0)
+        width = length(style["stroke-width"], whole, "the width of the stroke")
+        if width <= 0.0:
+            return None
         cap, join = style["stroke-linecap"], style["stroke-linejoin"]
         curves = tuple(drawn)
         if declared.get("vector-effect") == "non-scaling-stroke":
             curves = tuple(
-                Curve(applied(matrix, curve.points) / self._page.unit, curve.closed)
+                Curve(applied(matrix, curve.points) / self._page.pixel, curve.closed)
                 for curve in drawn
             )
-            matrix = self._page.unit * IDENTITY
+            matrix = self._page.pixel * IDENTITY
         limit = numbers(style["stroke-miterlimit"]) or [4.0]
         return Pen(
             curves,
@@ -254,27 +257,6 @@ class _Walk:
             join if join in ("round", "bevel") else "miter",  # type: ignore[arg-type]
             max(limit[0], 1.0),
         )
-
-    def _paint(self, element: Element, style: Mapping[str, str], what: str) -> str | None:
-        """The colour of a fill or stroke, empty when it has no plain one, None without paint."""
-        text = style[what].strip()
-        if text.lower() == "none" or _share(style[f"{what}-opacity"]) <= 0.0:
-            return None
-        if text.lower() == "currentcolor":
-            text = style["color"]
-        if text.lower().startswith("url("):
-            self._request.notes.add(
-                "paint",
-                f"the {what} of {_called(element)} by a gradient or pattern is read as paint",
-            )
-            return ""
-        colour = colour_hex(text)
-        if colour is None:
-            self._request.notes.add(
-                "paint", f"the {what} {text[:40]!r} of {_called(element)} is read as paint"
-            )
-            return ""
-        return colour or None
 
 
 def _names(element: Element) -> tuple[tuple[str, str], ...]:
@@ -286,10 +268,3 @@ def _names(element: Element) -> tuple[tuple[str, str], ...]:
 def _called(element: Element) -> str:
     name = element.get("id") or element.get(_LABEL) or ""
     return f"<{local(element)[:30]}> {name[:60]!r}" if name else f"<{local(element)[:30]}>"
-
-
-def _share(text: str) -> float:
-    try:
-        return float(text.rstrip("% "))
-    except ValueError:
-        return 1.0

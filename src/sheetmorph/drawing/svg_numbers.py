@@ -4,13 +4,15 @@ from __future__ import annotations
 
 import math
 import re
+from functools import lru_cache
+from typing import Any
 
 import numpy as np
 
 from sheetmorph.core.errors import InputError, shorten
 from sheetmorph.drawing.model import Floats
 
-NUMBER = r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?"
+NUMBER = r"[+-]?(?:[0-9]++(?:\.[0-9]*+)?|\.[0-9]++)(?:[eE][+-]?[0-9]++)?"
 PIXELS: dict[str, float] = {
     "": 1.0,
     "px": 1.0,
@@ -29,8 +31,8 @@ IDENTITY: Floats = np.array([[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]])
 
 _LENGTH = re.compile(rf"\s*({NUMBER})\s*([a-zA-Z]*|%)\s*")
 _NUMBERS = re.compile(NUMBER)
-_CALL = re.compile(r"\s*,?\s*([a-zA-Z]+)\s*\(([^()]*)\)")
-_ARGUMENTS = re.compile(rf"\s*(?:{NUMBER}(?:deg|px)?\s*,?\s*)*")
+# CSS wants a digit after the point; programs write "1." all the same.
+_BARE_POINT = re.compile(r"(?<=[0-9])\.(?![0-9])")
 _COUNTS = {
     "matrix": (6,),
     "translate": (1, 2),
@@ -39,7 +41,7 @@ _COUNTS = {
     "skewx": (1,),
     "skewy": (1,),
 }
-MAX_CALLS = 100
+MAX_TRANSFORM = 5000
 
 
 def length(text: str, whole: float, what: str) -> float:
@@ -92,32 +94,42 @@ def applied(matrix: Floats, points: Floats) -> Floats:
 
 
 def stretch(matrix: Floats) -> float:
-    """The largest factor by which a map lengthens anything."""
-    return float(np.linalg.norm(matrix[:, :2], ord=2))
+    """The largest factor by which a map lengthens anything: its larger singular value."""
+    (a, c, _), (b, d, _) = matrix.tolist()
+    return (math.hypot(a + d, b - c) + math.hypot(a - d, b + c)) / 2.0
 
 
+@lru_cache(maxsize=4096)
 def transform(text: str) -> Floats:
-    """The map of a `transform` attribute, shape (2, 3).
+    """The map of a `transform` attribute, shape (2, 3), not to be written to.
 
     Raises:
         InputError: a function or its numbers are unknown to SVG.
     """
+    from tinycss2 import parse_component_value_list
+
+    if len(text) > MAX_TRANSFORM:
+        raise InputError("the transform is too long", allowed=f"≤ {MAX_TRANSFORM} characters")
     result = IDENTITY
-    position = calls = 0
-    while position < len(text.rstrip()):
-        match = _CALL.match(text, position)
-        name = match[1].lower() if match else ""
-        calls += 1
-        if match is None or name not in _COUNTS or not _ARGUMENTS.fullmatch(match[2]):
-            raise InputError("the transform cannot be read", value=text)
-        values = [float(word) for word in _NUMBERS.findall(match[2])]
-        if len(values) not in _COUNTS[name] or calls > MAX_CALLS:
+    for node in parse_component_value_list(_BARE_POINT.sub(".0", text)):
+        if node.type == "whitespace" or node == ",":
+            continue
+        name = node.lower_name if node.type == "function" else ""
+        arguments = [part for part in getattr(node, "arguments", ()) if part.type != "whitespace"]
+        values = [part.value for part in arguments if _is_number(part)]
+        strange = any(not _is_number(part) and part != "," for part in arguments)
+        if strange or len(values) not in _COUNTS.get(name, ()):
             raise InputError("the transform cannot be read", value=text)
         result = compose(result, _function(name, values))
-        position = match.end()
     if not np.isfinite(result).all():
         raise InputError("the transform is not finite", value=text)
     return result
+
+
+def _is_number(token: Any) -> bool:
+    return token.type == "number" or (
+        token.type == "dimension" and token.lower_unit in ("deg", "px")
+    )
 
 
 def _function(name: str, values: list[float]) -> Floats:

@@ -28,12 +28,13 @@ MAX_ORIGIN = 1e5
 class Page:
     """The map from user units to metres, shape (2, 3); the size of the page in user units.
 
-    `unit` is the length of one user unit [m].
+    `unit` is the length of one user unit, `pixel` that of a pixel of the screen [m].
     """
 
     matrix: Floats
     view: tuple[float, float]
     unit: float
+    pixel: float
 
 
 def page_of(root: Element, request: Request) -> Page:
@@ -77,7 +78,7 @@ def page_of(root: Element, request: Request) -> Page:
     matrix = compose(page, inner)
     if not np.isfinite(matrix).all() or matrix[0, 0] <= 0.0:
         raise InputError("the size of the page is not usable", key="<svg>")
-    return Page(matrix, view, float(matrix[0, 0]))
+    return Page(matrix, view, float(matrix[0, 0]), pixel)
 
 
 def _box(root: Element) -> list[float] | None:

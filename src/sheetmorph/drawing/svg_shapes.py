@@ -4,23 +4,30 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Iterator
+from typing import Any
 from xml.etree.ElementTree import Element
 
 import numpy as np
 
 from sheetmorph.core.errors import InputError, shorten
 from sheetmorph.drawing.flatten import arc, bezier
+from sheetmorph.drawing.markup import local
 from sheetmorph.drawing.model import Curve, Floats
 from sheetmorph.drawing.notes import Budget
 from sheetmorph.drawing.svg_numbers import NUMBER, length, numbers
-from sheetmorph.drawing.svg_style import local
 
 SHAPES = ("path", "rect", "circle", "ellipse", "line", "polyline", "polygon")
+MAX_SEGMENTS = 200_000
 
-_TOKEN = re.compile(rf"\s*,?\s*(?:([a-zA-Z])|({NUMBER}))")
-_FLAG = re.compile(r"\s*,?\s*([01])")
-_COUNTS = {"m": 2, "l": 2, "h": 1, "v": 1, "c": 6, "s": 4, "q": 4, "t": 2, "a": 7, "z": 0}
+# The grammar of path data: the library that reads it takes much else for a comment.
+_GAP = r"[ \t\r\n]*+(?:,[ \t\r\n]*+)?"
+_N, _FLAG = rf"(?:{_GAP}{NUMBER})", rf"{_GAP}[01]"
+_RUN = re.compile(
+    rf"[ \t\r\n]*+(?:[MmLlTt](?:{_N}{_N})++|[Zz]|[HhVv]{_N}++|[SsQq](?:{_N}{{4}})++"
+    rf"|[Cc](?:{_N}{{6}})++|[Aa](?:{_N}{{3}}{_FLAG}{_FLAG}{_N}{_N})++)"
+)
+_SIZES = {"m": 2, "l": 2, "t": 2, "z": 1, "h": 1, "v": 1, "s": 4, "q": 4, "c": 6, "a": 5}
+_NUMBERS = re.compile(NUMBER)
 
 
 def outline(
@@ -48,8 +55,8 @@ def outline(
     across, down = view
     size = math.hypot(across, down) / math.sqrt(2.0)
 
-    def value(name: str, whole: float, default: str = "0") -> float:
-        return length(element.get(name, default), whole, name)
+    def value(name: str, whole: float) -> float:
+        return length(element.get(name, "0"), whole, name)
 
     if kind == "line":
         ends = [[value("x1", across), value("y1", down)], [value("x2", across), value("y2", down)]]
@@ -71,153 +78,127 @@ def outline(
 def _rectangle(
     element: Element, view: tuple[float, float], tolerance: float, budget: Budget
 ) -> list[Curve]:
-    def value(name: str, whole: float) -> float:
-        return length(element.get(name, "0"), whole, name)
+    """A rectangle, with round corners as path data says them."""
 
-    x, y = value("x", view[0]), value("y", view[1])
-    w, h = value("width", view[0]), value("height", view[1])
+    def value(name: str, text: str) -> float:
+        return length(text, view[name in ("y", "height", "ry")], name)
+
+    x, y, w, h = (value(name, element.get(name, "0")) for name in ("x", "y", "width", "height"))
     if w <= 0.0 or h <= 0.0:
         return []
     given = [element.get(name, "auto") for name in ("rx", "ry")]
     radii = [given[k] if given[k] != "auto" else given[1 - k] for k in (0, 1)]
-    a = 0.0 if radii[0] == "auto" else min(max(length(radii[0], view[0], "rx"), 0.0), w / 2.0)
-    b = 0.0 if radii[1] == "auto" else min(max(length(radii[1], view[1], "ry"), 0.0), h / 2.0)
+    a, b = (
+        0.0 if text == "auto" else min(max(value(name, text), 0.0), side / 2.0)
+        for name, text, side in zip(("rx", "ry"), radii, (w, h), strict=True)
+    )
     if a == 0.0 or b == 0.0:
         budget.vertices(4)
         return [Curve(np.array([[x, y], [x + w, y], [x + w, y + h], [x, y + h]]), True)]
-    corners = [(x + w - a, y + b), (x + w - a, y + h - b), (x + a, y + h - b), (x + a, y + b)]
-    u, v = np.array([a, 0.0]), np.array([0.0, b])
-    quarter = math.pi / 2.0
-    parts = [
-        arc(np.array(corner), u, v, (k - 1) * quarter, quarter, tolerance, budget)
-        for k, corner in enumerate(corners)
-    ]
-    points = np.vstack(parts)
     # Arcs meet without a straight piece where the radius is half a side.
-    apart = np.linalg.norm(points - np.roll(points, 1, axis=0), axis=1) > 1e-9 * (w + h)
-    return [Curve(points[apart], True)]
+    right, left = (f"H{x + w - a}", f"H{x + a}") if 2.0 * a < w else ("", "")
+    down, up = (f"V{y + h - b}", f"V{y + b}") if 2.0 * b < h else ("", "")
+    turn = f"A{a} {b} 0 0 1"
+    text = (
+        f"M{x + a} {y}{right}{turn} {x + w} {y + b}{down}{turn} {x + w - a} {y + h}"
+        f"{left}{turn} {x} {y + h - b}{up}{turn} {x + a} {y}z"
+    )
+    return _path(text, tolerance, budget)
 
 
 def _path(text: str, tolerance: float, budget: Budget) -> list[Curve]:
+    """The curves of path data; a closed one does not repeat its first point."""
+    from svg.path import Close, Move
+
     curves: list[Curve] = []
-    pieces: list[Floats] = []
-    here = start = np.zeros(2)
-    control: Floats | None = None
-    before = ""
+    points: list[Any] = []
 
     def finish(closed: bool) -> None:
-        if pieces:
-            points = np.vstack(pieces)
-            if closed and len(points) > 1 and np.array_equal(points[0], points[-1]):
-                points = points[:-1]
-            if len(points) > 1 or closed:
-                curves.append(Curve(points, closed and len(points) > 1))
-        pieces.clear()
+        if points:
+            chain = np.array(points, dtype=np.complex128).view(np.float64).reshape(-1, 2)
+            if closed and len(chain) > 1 and np.array_equal(chain[0], chain[-1]):
+                chain = chain[:-1]
+            if len(chain) > 1 or closed:
+                curves.append(Curve(chain, closed and len(chain) > 1))
+        points.clear()
 
-    for command, values in _commands(text):
-        kind = command.lower()
-        if not before and kind != "m":
-            raise InputError("the path does not start with M", value=shorten(text, 40))
-        if kind == "m":
+    for segment in _segments(text):
+        if isinstance(segment, Move):
             finish(False)
-            here = start = np.array(values) + (here if command == "m" else 0.0)
-            before = kind
             continue
-        if kind == "z":
-            if not pieces:
-                pieces.append(start[None])
+        if not points:
+            points.append(segment.start)
+        if isinstance(segment, Close):
             finish(True)
-            here, before = start, kind
-            continue
-        if not pieces:
-            pieces.append(here[None])
-        base = here if command.islower() else np.zeros(2)
-        if kind in ("h", "v"):
-            end = here.copy()
-            axis = "hv".index(kind)
-            end[axis] = values[0] + base[axis]
-            new = end[None]
-            budget.vertices(1)
-        elif kind == "l":
-            end = np.array(values) + base
-            new = end[None]
-            budget.vertices(1)
-        elif kind == "a":
-            end = np.array(values[5:]) + base
-            new = _elliptic(here, end, values, tolerance, budget)
         else:
-            points = np.array(values).reshape(-1, 2) + base
-            if kind in ("s", "t"):
-                same = before in ({"s": "cs", "t": "qt"}[kind])
-                mirrored = 2.0 * here - control if same and control is not None else here
-                points = np.vstack([mirrored, points])
-            new = bezier(np.vstack([here, points]), tolerance, budget)[1:]
-            control, end = points[-2], points[-1]
-        if not np.isfinite(end).all():
-            raise InputError("the path has a number that is not finite", value=shorten(text, 40))
-        pieces.append(new)
-        here, before = end, kind
+            points += _flattened(segment, tolerance, budget)
     finish(False)
     return curves
 
 
-def _commands(text: str) -> Iterator[tuple[str, list[float]]]:
-    """The commands of path data, each with the numbers of one segment."""
-    position, command, count = 0, "", 0
-    text = text.strip()
-    values: list[float] = []
+def _segments(text: str) -> Any:
+    """The segments of path data as svg.path has them, after a check of grammar and size.
+
+    Raises:
+        InputError: not of the grammar, too long, or with a number that is not finite.
+    """
+    from svg.path import parse_path
+
+    text = text.strip(" \t\r\n")
+    position = 0
+    count = 0.0
     while position < len(text):
-        arc_flag = command in ("a", "A") and len(values) in (3, 4)
-        match = (_FLAG if arc_flag else _TOKEN).match(text, position)
+        match = _RUN.match(text, position)
         if match is None:
-            raise InputError("the path cannot be read", value=shorten(text[position:], 40))
+            raise InputError(
+                "the path cannot be read, or ends within a segment",
+                value=shorten(text[position : position + 100], 40),
+            )
+        run = match[0].lstrip(" \t\r\n")
+        if position == 0 and run[0] not in "Mm":
+            raise InputError("the path does not start with M", value=shorten(text[:100], 40))
+        # Flags of arcs may stand together, so that up to three numbers look like one.
+        count += max(len(_NUMBERS.findall(run)) / _SIZES[run[0].lower()], 1.0)
+        if count > MAX_SEGMENTS:
+            raise InputError("a path has too many segments", allowed=f"≤ {MAX_SEGMENTS}")
         position = match.end()
-        if not arc_flag and match[1]:
-            command = match[1]
-            if values or command.lower() not in _COUNTS:
-                raise InputError("the path cannot be read", value=shorten(match[0], 40))
-            count = _COUNTS[command.lower()]
-            if count == 0:
-                yield command, []
-            continue
-        if count == 0:
-            raise InputError("the path cannot be read", value=shorten(match[0], 40))
-        values.append(float(match[1] if arc_flag else match[2]))
-        if len(values) == count:
-            yield command, values
-            values = []
-            # Further pairs after a move are lines.
-            command = {"m": "l", "M": "L"}.get(command, command)
-    if values or (count and not text[-1].isdigit() and text[-1] != "."):
-        raise InputError("the path ends within a segment", value=shorten(text[-40:], 44))
+    try:
+        segments = parse_path(text)
+    except (ValueError, ArithmeticError) as error:
+        raise InputError(
+            "the path has an arc that cannot be drawn", value=shorten(text[:100], 40)
+        ) from error
+    if not all(math.isfinite(abs(s.end)) for s in segments):
+        raise InputError("the path has a number that is not finite", value=shorten(text[:100], 40))
+    return segments
 
 
-def _elliptic(
-    a: Floats, b: Floats, values: list[float], tolerance: float, budget: Budget
-) -> Floats:
-    """The arc of the A command without its first point: the conversion of SVG, appendix B.2.4."""
-    rx, ry = abs(values[0]), abs(values[1])
-    if rx == 0.0 or ry == 0.0 or not (b - a).any():
+def _flattened(segment: Any, tolerance: float, budget: Budget) -> list[complex]:
+    """The points of a segment after its start, as complex numbers."""
+    from svg.path import Arc, CubicBezier, QuadraticBezier
+
+    if isinstance(segment, QuadraticBezier):
+        controls = [segment.start, segment.control, segment.end]
+    elif isinstance(segment, CubicBezier):
+        controls = [segment.start, segment.control1, segment.control2, segment.end]
+    elif isinstance(segment, Arc) and hasattr(segment, "center"):
+        return _round(segment, tolerance, budget)
+    else:
+        # A line, or an arc without a radius or a chord, which stands for one.
         budget.vertices(1)
-        return b[None]
-    angle = math.radians(values[2])
-    turn = np.array([[math.cos(angle), -math.sin(angle)], [math.sin(angle), math.cos(angle)]])
-    # In the frame of the ellipse, scaled to a unit circle, the chord has this half.
-    half = (turn.T @ (a - b)) / 2.0 / [rx, ry]
-    size = float(half @ half)
-    if size > 1.0:
-        rx, ry, half = rx * math.sqrt(size), ry * math.sqrt(size), half / math.sqrt(size)
-        size = 1.0
-    away = math.sqrt(max(1.0 / size - 1.0, 0.0)) * (1.0 if values[3] != values[4] else -1.0)
-    centre = away * np.array([half[1], -half[0]])
-    first = math.atan2(*(half - centre)[::-1])
-    last = math.atan2(*(-half - centre)[::-1])
-    sweep = last - first
-    if values[4] and sweep <= 0.0:
-        sweep += 2.0 * math.pi
-    if not values[4] and sweep >= 0.0:
-        sweep -= 2.0 * math.pi
-    middle = turn @ (centre * [rx, ry]) + (a + b) / 2.0
-    points = arc(middle, turn[:, 0] * rx, turn[:, 1] * ry, first, sweep, tolerance, budget)
-    points[-1] = b
-    return points[1:]
+        return [segment.end]
+    points = bezier(_plane(controls), tolerance, budget)
+    return list(points[1:] @ [1.0, 1.0j])
+
+
+def _round(segment: Any, tolerance: float, budget: Budget) -> list[complex]:
+    rotation = np.exp(1j * math.radians(segment.rotation))
+    radius = segment.radius * segment.radius_scale
+    centre, u, v = _plane([segment.center, rotation * radius.real, rotation * 1j * radius.imag])
+    start, sweep = math.radians(segment.theta), math.radians(segment.delta)
+    points = arc(centre, u, v, start, sweep, tolerance, budget)
+    return [*(points[1:-1] @ [1.0, 1.0j]), segment.end]
+
+
+def _plane(values: list[complex]) -> Floats:
+    return np.array(values, dtype=np.complex128).view(np.float64).reshape(-1, 2)

@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
-import re
-from collections import defaultdict
-from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from collections.abc import Mapping
+from typing import Any
 from xml.etree.ElementTree import Element
 
 from sheetmorph.core.errors import InputError
+from sheetmorph.drawing.colours import colour_hex
+from sheetmorph.drawing.markup import local
 from sheetmorph.drawing.notes import Notes
 
 MAX_RULES = 2000
+MAX_STYLE = 2 * 2**20
+MAX_TRIALS = 5_000_000
 INITIAL: dict[str, str] = {
     "fill": "black",
     "fill-rule": "nonzero",
@@ -27,121 +29,102 @@ INITIAL: dict[str, str] = {
     "visibility": "visible",
 }
 """Properties that children inherit, with their values at the root."""
-OWN = ("display", "opacity", "vector-effect", "clip-path", "mask", "transform")
+OWN = ("display", "opacity", "vector-effect", "clip-path", "mask")
 
-_COMMENT = re.compile(r"/\*.*?\*/", re.DOTALL)
-_SIMPLE = re.compile(r"(?P<type>[\w-]+|\*)?(?P<marks>(?:[.#][\w-]+)*)")
-_MARK = re.compile(r"[.#][\w-]+")
-
-
-@dataclass(frozen=True)
-class _Simple:
-    """What one element must have: a tag, an id, classes; `child` ties it to its parent alone."""
-
-    tag: str
-    identity: str
-    classes: frozenset[str]
-    child: bool
-
-    def fits(self, element: Element) -> bool:
-        """Whether the element has the tag, the id and all classes."""
-        return (
-            self.tag in ("", "*", local(element))
-            and self.identity in ("", element.get("id", ""))
-            and self.classes <= set(element.get("class", "").split())
-        )
-
-
-@dataclass(frozen=True)
-class _Rule:
-    parts: tuple[_Simple, ...]
-    rank: tuple[int, int, int, int]
-    values: Mapping[str, tuple[str, bool]]
+Declared = tuple[dict[str, str], dict[str, str]]
+"""Properties of a block of declarations, and those of them that are !important."""
 
 
 class StyleSheet:
-    """The rules of the <style> elements of a drawing."""
+    """The style sheets and `style` attributes of a drawing, within bounds."""
 
     def __init__(self, root: Element, notes: Notes) -> None:
-        self._by_mark: dict[str, list[_Rule]] = defaultdict(list)
-        self._count = 0
+        from cssselect2 import ElementWrapper, Matcher
+
+        self._matcher = Matcher()
+        self._notes = notes
+        self._rules = self._chains = self._trials = self._length = 0
+        self._blocks: dict[str, Declared] = {}
         for element in root.iter():
             if local(element) == "style":
-                self._read(element.text or "", notes)
+                self._read(element.text or "")
+        self._wrapped: dict[Element, Any] = {}
+        if self._rules:
+            tree = ElementWrapper.from_xml_root(root).iter_subtree()
+            self._wrapped = {wrapper.etree_element: wrapper for wrapper in tree}
 
-    def declared(self, element: Element, ancestors: tuple[Element, ...]) -> dict[str, str]:
-        """The properties an element declares itself: attributes, then rules, then `style`."""
+    def declared(self, element: Element) -> dict[str, str]:
+        """The properties an element declares itself: attributes, then rules, then `style`.
+
+        Raises:
+            InputError: the style sheets are too large, or too much work.
+        """
         values = {name: element.attrib[name] for name in (*INITIAL, *OWN) if name in element.attrib}
-        values.pop("transform", None)
         important: dict[str, str] = {}
-        for rule in sorted(self._matching(element, ancestors), key=lambda rule: rule.rank):
-            for name, (value, presses) in rule.values.items():
-                (important if presses else values)[name] = value
-        for name, (value, _) in _declarations(element.get("style", "")).items():
-            values[name] = value
+        blocks: list[Declared] = []
+        if self._rules:
+            wrapper = self._wrapped[element]
+            # A selector of three parts tries pairs of the elements around.
+            self._trials += self._chains * (1 + len(wrapper.ancestors)) ** 2
+            if self._trials > MAX_TRIALS:
+                raise InputError("the style selectors are too much work; use plain classes")
+            blocks = [payload for *_, payload in self._matcher.match(wrapper)]
+        if "style" in element.attrib:
+            blocks.append(self._block(element.attrib["style"]))
+        for plain, pressing in blocks:
+            values |= plain
+            important |= pressing
         return values | important
 
-    def _matching(self, element: Element, ancestors: tuple[Element, ...]) -> Iterator[_Rule]:
-        if not self._count:
-            return
-        marks = ["*", local(element), "#" + element.get("id", "")]
-        marks += ["." + name for name in set(element.get("class", "").split())]
-        for mark in marks:
-            for rule in self._by_mark.get(mark, ()):
-                if _fits(rule.parts, element, ancestors):
-                    yield rule
+    def _read(self, text: str) -> None:
+        import tinycss2
 
-    def _read(self, text: str, notes: Notes) -> None:
-        text = _COMMENT.sub(" ", text).replace("<!--", " ").replace("-->", " ")
-        position = 0
-        while (opening := text.find("{", position)) >= 0:
-            selectors = text[position:opening].strip()
-            closing = _closing(text, opening)
-            body, position = text[opening + 1 : closing], closing + 1
-            if selectors.startswith("@"):
-                notes.add("style", f"the style rule {selectors[:40]!r} was ignored")
+        self._pay(text)
+        for rule in tinycss2.parse_stylesheet(text, skip_comments=True, skip_whitespace=True):
+            if rule.type != "qualified-rule":
+                what = f"@{rule.at_keyword}" if rule.type == "at-rule" else "that is damaged"
+                self._notes.add("style", f"the style rule {what[:40]} was ignored")
                 continue
-            values = _declarations(body)
-            for selector in selectors.split(","):
-                self._add(selector.strip(), values, notes)
+            block = _sorted(tinycss2.parse_blocks_contents(rule.content))
+            for selector in tinycss2.serialize(rule.prelude).split(","):
+                self._add(selector.strip(), block)
 
-    def _add(self, selector: str, values: Mapping[str, tuple[str, bool]], notes: Notes) -> None:
-        parts: list[_Simple] = []
-        child = False
-        for word in selector.replace(">", " > ").split():
-            if word == ">":
-                child = True
-                continue
-            match = _SIMPLE.fullmatch(word)
-            if match is None or len(parts) > 8:
-                notes.add("style", f"the style selector {selector[:40]!r} was ignored")
-                return
-            marks = _MARK.findall(match["marks"])
-            identity = next((mark[1:] for mark in marks if mark[0] == "#"), "")
-            classes = frozenset(mark[1:] for mark in marks if mark[0] == ".")
-            parts.append(_Simple(match["type"] or "", identity, classes, child))
-            child = False
-        if not parts:
-            return
-        self._count += 1
-        if self._count > MAX_RULES:
+    def _add(self, selector: str, block: Declared) -> None:
+        """Keep a rule of tags, classes, ids and attributes within up to two others.
+
+        Pseudo-classes and siblings say nothing of a still drawing, and cost a walk each.
+        """
+        from cssselect2 import SelectorError, compile_selector_list
+
+        self._rules += 1
+        if self._rules > MAX_RULES:
             raise InputError("the drawing has too many style rules", allowed=f"≤ {MAX_RULES}")
-        rank = (
-            sum(bool(part.identity) for part in parts),
-            sum(len(part.classes) for part in parts),
-            sum(part.tag not in ("", "*") for part in parts),
-            self._count,
-        )
-        last = parts[-1]
-        marks = ["#" + last.identity] if last.identity else ["." + c for c in sorted(last.classes)]
-        self._by_mark[marks[0] if marks else (last.tag or "*")].append(
-            _Rule(tuple(parts), rank, values)
-        )
+        words = len(selector.replace(">", " ").split())
+        try:
+            if words > 3 or any(mark in selector for mark in ":~+"):
+                raise SelectorError
+            for compiled in compile_selector_list(selector):
+                self._matcher.add_selector(compiled, block)
+            self._chains += words > 1 or "*" in selector or "[" in selector
+        except SelectorError:
+            self._notes.add("style", f"the style selector {selector[:40]!r} was ignored")
 
+    def _block(self, text: str) -> Declared:
+        """The declarations of a `style` attribute; many elements share one text."""
+        import tinycss2
 
-def local(element: Element) -> str:
-    """The tag of an element without its namespace."""
-    return element.tag.rpartition("}")[2] if isinstance(element.tag, str) else ""
+        if text not in self._blocks:
+            self._pay(text)
+            self._blocks[text] = _sorted(tinycss2.parse_blocks_contents(text))
+        return self._blocks[text]
+
+    def _pay(self, text: str) -> None:
+        self._length += len(text)
+        if self._length > MAX_STYLE:
+            raise InputError(
+                "the styles of the drawing are too long",
+                allowed=f"≤ {MAX_STYLE // 2**20} million characters",
+            )
 
 
 def inherited(parent: Mapping[str, str], declared: Mapping[str, str]) -> dict[str, str]:
@@ -155,33 +138,30 @@ def inherited(parent: Mapping[str, str], declared: Mapping[str, str]) -> dict[st
     return {**parent, **own}
 
 
-def _fits(parts: tuple[_Simple, ...], element: Element, ancestors: tuple[Element, ...]) -> bool:
-    if not parts[-1].fits(element):
+def paint(style: Mapping[str, str], what: str) -> str | None:
+    """The colour of a fill or stroke, empty when it is no plain one, None without paint."""
+    text = style[what].strip().lower()
+    if text == "none" or is_clear(style[f"{what}-opacity"]):
+        return None
+    colour = colour_hex(style["color"] if text == "currentcolor" else text)
+    return "" if colour is None else colour or None
+
+
+def is_clear(opacity: str) -> bool:
+    """Whether an opacity leaves nothing to see."""
+    try:
+        return float(opacity.rstrip("% ")) <= 0.0
+    except ValueError:
         return False
-    if len(parts) == 1:
-        return True
-    if parts[-1].child:
-        return bool(ancestors) and _fits(parts[:-1], ancestors[-1], ancestors[:-1])
-    # The nearest fitting ancestor serves unless a '>' stands further left, which is rare.
-    return any(
-        _fits(parts[:-1], ancestors[k], ancestors[:k]) for k in range(len(ancestors) - 1, -1, -1)
-    )
 
 
-def _declarations(text: str) -> dict[str, tuple[str, bool]]:
-    values: dict[str, tuple[str, bool]] = {}
-    for part in text.split(";"):
-        name, colon, value = part.partition(":")
-        word, mark, _ = value.partition("!important")
-        if colon:
-            values[name.strip().lower()] = (word.strip(), bool(mark))
-    return values
+def _sorted(nodes: list[Any]) -> Declared:
+    from tinycss2 import serialize
 
-
-def _closing(text: str, opening: int) -> int:
-    depth = 0
-    for match in re.compile(r"[{}]").finditer(text, opening):
-        depth += 1 if match[0] == "{" else -1
-        if depth == 0:
-            return match.start()
-    return len(text)
+    plain: dict[str, str] = {}
+    important: dict[str, str] = {}
+    for node in nodes:
+        if node.type == "declaration" and (node.lower_name in INITIAL or node.lower_name in OWN):
+            chosen = important if node.important else plain
+            chosen[node.lower_name] = serialize(node.value).strip()
+    return plain, important

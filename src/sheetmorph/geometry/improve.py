@@ -146,12 +146,19 @@ def _slides(
 
 
 def _smallest_angle(trial: Floats, around: Floats) -> Floats:
-    """Smallest angle of the star if its centre were at each trial, shape (n, trials)."""
-    p, q = around[:, None, :, 0], around[:, None, :, 1]
-    u, v = p - trial[:, :, None], q - trial[:, :, None]
-    w = q - p
-    cross = u[..., 0] * v[..., 1] - u[..., 1] * v[..., 0]
-    at_trial = np.arctan2(cross, (u * v).sum(-1))
-    at_p = np.arctan2(cross, -(u * w).sum(-1))
-    at_q = np.arctan2(cross, (v * w).sum(-1))
-    return np.asarray(np.minimum(np.minimum(at_trial, at_p), at_q).min(axis=2))
+    """Smallest angle of the star if its centre were at each trial, shape (n, trials).
+
+    The smallest angle has the largest cotangent, scalar product over cross product: one arc
+    tangent per star is enough. Triangles turned over count as angles of zero.
+    """
+    corners = around[:, None]
+    px, py, qx, qy = (corners[..., end, axis] for end in (0, 1) for axis in (0, 1))
+    x, y = trial[:, :, None, 0], trial[:, :, None, 1]
+    ux, uy, vx, vy = px - x, py - y, qx - x, qy - y
+    wx, wy = qx - px, qy - py
+    cross = ux * vy - uy * vx
+    at_trial = ux * vx + uy * vy
+    at_p, at_q = -(ux * wx + uy * wy), vx * wx + vy * wy
+    largest = np.maximum(np.maximum(at_trial, at_p), at_q)
+    cotangent = np.divide(largest, cross, out=np.full_like(cross, np.inf), where=cross > 0.0)
+    return np.asarray(np.arctan2(1.0, cotangent.max(axis=2)))
