@@ -230,3 +230,15 @@ half_width = "3 mm"
     assert any("a slit runs through it near (10, " in warning for warning in crossed.warnings)
     beside = fabricate_design(make(text.replace("START", "15")), tmp_path / "b", options=QUICK)
     assert not any("slit" in warning for warning in beside.warnings)
+
+
+def test_without_lib3mf_there_are_stl_files(two_faces, tmp_path, monkeypatch) -> None:
+    for module in ("contents", "steps"):
+        monkeypatch.setattr(f"sheetmorph.fabricate.{module}.writes_3mf", lambda: False)
+    package = fabricate_design(two_faces, tmp_path / "out", options=QUICK)
+    endings = {path.suffix for path in (tmp_path / "out" / "parts").iterdir()}
+    assert endings == {".stl"}
+    assert any("lib3mf" in warning for warning in package.warnings)
+    page = (tmp_path / "out" / "assembly.html").read_text()
+    assert ".stl" in page
+    assert ".3mf" not in page

@@ -17,7 +17,7 @@ from sheetmorph.fabricate.nest import nest
 from sheetmorph.fabricate.options import PAPER_NAMES
 from sheetmorph.fabricate.print3d import PrintedPart, arrange, lay_on_bed
 from sheetmorph.fabricate.printability import check_part
-from sheetmorph.fabricate.solid_files import bytes_3mf, bytes_stl
+from sheetmorph.fabricate.solid_files import bytes_3mf, bytes_stl, writes_3mf
 from sheetmorph.fabricate.stack import check_stack, levels_of
 from sheetmorph.fabricate.template import template_pdf
 
@@ -62,6 +62,8 @@ def make_contents(
         warnings += _check_bed(part, options.printer)
         if part.level.part is not None:
             warnings += check_part(part.level.part, options.printer)
+    if printed and not writes_3mf():
+        warnings.append("3MF files are left out: lib3mf is not installed. Print the STL files.")
     on_event(Progress(0.1, "printed parts"))
     told: dict[str, str] = {}
     files: dict[str, bytes] = {}
@@ -96,9 +98,9 @@ def _check_slits(design: Design) -> list[str]:
         if crossing.length > 1e-6:
             at = crossing.representative_point()
             warnings.append(
-                f"{part.name}: a slit runs through it near ({1e3 * at.x:.4g}, {1e3 * at.y:.4g}) mm. "
-                "The computed shape is cut there through all layers: cut the part too, before you "
-                "glue it."
+                f"{part.name}: a slit runs through it near ({1e3 * at.x:.4g}, {1e3 * at.y:.4g}) "
+                "mm. The computed shape is cut there through all layers: cut the part too, before "
+                "you glue it."
             )
     return warnings
 
@@ -137,10 +139,15 @@ def _add_solids(
         note = (
             f"Print the face on the bed as it is: it is the {side} face of the part, to be glued."
         )
-        files[f"parts/{name}.3mf"] = bytes_3mf(bodies, _metadata(design, what, note))
         files[f"parts/{name}.stl"] = bytes_stl(bodies)
+        if not writes_3mf():
+            told[f"parts/{name}.stl"] = f"Printed part: {what}. Its numbers are millimetres."
+            continue
+        files[f"parts/{name}.3mf"] = bytes_3mf(bodies, _metadata(design, what, note))
         told[f"parts/{name}.3mf"] = f"Printed part: {what}."
         told[f"parts/{name}.stl"] = "The same without unit and name; its numbers are millimetres."
+    if not writes_3mf():
+        return
     beds = arrange(printed, profile)
     for name, bed in zip(_plates(len(beds)), beds, strict=True):
         bodies = tuple(body for part in bed for body in part.bodies())

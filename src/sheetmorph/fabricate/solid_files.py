@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ctypes
+import importlib.util
 import re
 import uuid
 from collections.abc import Mapping, Sequence
@@ -17,6 +18,11 @@ DECIMALS = 7
 """Decimals of the millimetres in a 3MF file."""
 
 _NOT_XML = re.compile("[^\t\n\r -\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
+
+
+def writes_3mf() -> bool:
+    """Whether lib3mf is installed: it has no wheels for some machines (Linux on ARM)."""
+    return importlib.util.find_spec("lib3mf") is not None
 
 
 def bytes_3mf(bodies: Sequence[Body], metadata: Mapping[str, str]) -> bytes:

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 from sheetmorph.fabricate import oven
 from sheetmorph.fabricate.cut import HOLES, SHEET, SLITS, describe_kerf
+from sheetmorph.fabricate.solid_files import writes_3mf
 from sheetmorph.fabricate.stack import Level, glued_area
 
 if TYPE_CHECKING:
@@ -98,11 +99,15 @@ def _cut_order(design: Design) -> str:
 
 
 def _print(printed: Sequence[PrintedPart], options: FabricationOptions) -> Step:
+    what = (
+        "parts/plate.3mf (all parts arranged; more plates where one is not enough) or the parts"
+        if writes_3mf()
+        else "the parts (STL files, in millimetres)"
+    )
     lines = [
         (
-            "Print parts/plate.3mf (all parts arranged; more plates where one is not enough) or "
-            "the parts one by one, in the orientation of the files: the face on the bed is the one "
-            f"to be glued. Checked against {options.printer.name}, "
+            f"Print {what} one by one, in the orientation of the files: the face on the bed is the "
+            f"one to be glued. Checked against {options.printer.name}, "
             f"{1e3 * options.printer.bed_width:g} × {1e3 * options.printer.bed_depth:g} mm."
         ),
         "Do not mirror anything in the slicer. The paper used PLA on a fused deposition printer.",
