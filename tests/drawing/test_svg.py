@@ -3,6 +3,7 @@ from __future__ import annotations
 
 import io
 import math
+import time
 
 import numpy as np
 import pytest
@@ -89,6 +90,23 @@ def test_shapes_look_the_same_elsewhere(svg, name):
     )
 
 
+@pytest.mark.parametrize("shortened", [0.0, 1e-12, 4e-9, 1e-6, 1e-3])
+@pytest.mark.parametrize("sweep", [0, 1])
+def test_arcs_of_nearly_half_a_turn(svg, shortened, sweep):
+    # Files round their numbers; the centre of such an arc hangs by the square root of that.
+    # Some libraries snap it to the chord, 1e-4 of the radius away.
+    half = 40 * (1 - shortened)
+    a, b = (50 + s * half * np.array([math.cos(0.3), math.sin(0.3)]) for s in (-1, 1))
+    body = f'<path fill="none" stroke="red" d="M{a[0]} {a[1]}A40 40 0 0 {sweep} {b[0]} {b[1]}"/>'
+    away = math.sqrt(40**2 - half**2) * (1 if sweep else -1)
+    centre = 50 + away * np.array([-math.sin(0.3), math.cos(0.3)])
+    points = shapely.get_coordinates(svg(body, flatness=1e-6).lines()) * 1e3
+    radii = np.hypot(*(points - [centre[0], 80 - centre[1]]).T)
+    assert np.abs(radii - 40).max() < 4e-6
+    side = (points[len(points) // 2] - [50, 30]) @ [math.sin(0.3), math.cos(0.3)]
+    assert side == pytest.approx(40 if sweep else -40, abs=2.0)
+
+
 def test_flatness(svg):
     body = '<path d="M10 60C10 -20 90 -20 90 60z"/><path d="M0 70A40 9 20 0 1 60 70"/>'
     fine = svg(body, flatness=1e-8).area()
@@ -153,6 +171,39 @@ def test_selection_and_styles(svg, select, area):
     drawing = svg(STYLED)
     assert drawing.area(select).area * 1e6 == pytest.approx(area, abs=0.4)
     assert sum("ignored" in note for note in drawing.notes) == 2
+
+
+RULES = {
+    "specificity": ("#a { fill: lime } .c { fill: red } rect { fill: blue }", "lime"),
+    "order": (".c { fill: red } .d { fill: lime }", "lime"),
+    "important": (".c { fill: lime !important } #a { fill: red !IMPORTANT; stroke: none }", "red"),
+    "list": ("circle, .c, path { fill: lime }", "lime"),
+    "child": ("g > rect { fill: lime } svg > rect { fill: red }", "lime"),
+    "descendant": ("svg rect { fill: lime } circle rect { fill: red }", "lime"),
+    "attribute": ("[id='a'] { fill: lime }", "lime"),
+    "everything": ("* { fill: lime }", "lime"),
+    "string": ("rect { font-family: '} rect { fill: red'; fill: lime }", "lime"),
+    "damaged": ("rect { fill lime; fill: lime; fill } }} .c { }", "lime"),
+    "comments": ("<!-- /* .c { fill: red } */ rect/**/{ fill /**/ : lime /**/ } -->", "lime"),
+    "siblings": ("g + g rect, rect ~ rect { fill: red } rect { fill: lime }", "lime"),
+    "colour of CSS": ("rect { fill: hwb(120 0% 0%) }", "lime"),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", RULES)
+def test_style_rules(svg, name):
+    rules, colour = RULES[name]
+    body = '<g><rect id="a" class="c d" width="10" height="10"/></g>'
+    drawing = svg(f"<style><![CDATA[{rules}]]></style>{body}")
+    assert drawing.area(colour).area == pytest.approx(1e-4)
+
+
+def test_rules_apply_where_a_copied_element_stands(svg):
+    drawing = svg(
+        '<style>.there rect { fill: red } .here rect { fill: lime }</style><g class="here">'
+        '<rect id="a" width="9" height="9"/></g><g class="there"><use href="#a" x="20"/></g>'
+    )
+    assert drawing.area("lime").area == pytest.approx(162e-6)
 
 
 def test_selection_that_matches_nothing(svg):
@@ -239,6 +290,11 @@ BROKEN = {
     "too small": ('<rect width=".1" height=".2"/>', r"0.2 mm high; did you draw in cm|0.2 mm high; did you"),
     "too large": ('<rect width="20000" height="1"/>', "20 m wide"),
     "path": ('<path id="p" d="M0 0h10 garbage"/>', "<path> 'p': the path cannot be read"),
+    "flags": ('<path d="M0 0A9 9 0 2 1 9 9"/>', "cannot be read"),
+    "path without numbers": ('<path d="M0 0h"/>', "cannot be read"),
+    "numbers after z": ('<path d="M0 0h9v9z 5 5"/>', "cannot be read"),
+    "digits of elsewhere": ('<path d="M0 0h\u0663v9z"/>', "cannot be read"),
+    "transform cut off": ('<rect transform="scale(3" width="9" height="9"/><path d="M0 0x"/>', "cannot be read"),
     "path cut off": ('<path d="M0 0L1"/>', "ends within a segment"),
     "path without M": ('<path d="L1 1"/>', "does not start with M"),
     "infinite": ('<path d="M0 0L1e999 0 3 3z"/>', "not finite"),
@@ -262,6 +318,52 @@ def test_broken(svg, name, monkeypatch):
     with pytest.raises(InputError, match=says) as caught:
         svg(body).area()
     assert "\n" not in str(caught.value)
+
+
+def chain(count, step):
+    """A polygon around a circle that takes every step-th of its corners."""
+    turn = 2 * PI * step * np.arange(count) / count
+    xy = np.column_stack([50 + 40 * np.cos(turn), 40 + 30 * np.sin(turn)])
+    return '<polygon points="' + " ".join(f"{x:.6f},{y:.6f}" for x, y in xy) + '"/>'
+
+
+# body, what the refusal says
+TOO_MUCH = {
+    "elements": (lambda: "<rect/>" * 200_000, "too many elements; allowed: ≤ 100000"),
+    "levels": (lambda: "<g>" * 1_000_000, "nested too deeply"),
+    "levels that count": (lambda: "<g>" * 100 + "</g>" * 100, "nested too deeply"),
+    "segments": (lambda: '<path d="M0 0' + "h1" * 200_001 + '"/>', "too many segments; allowed: ≤ 200000"),
+    "arcs": (lambda: '<path d="M0 0' + "a1 1 0 011 2" * 200_001 + '"/>', "too many segments"),
+    "points": (lambda: f'<polygon points="{"1 2 " * 260_000}"/>', "too long a list of numbers"),
+    "corners": (lambda: chain(200_010, 1), "too many corners; allowed: ≤ 200000"),
+    "corners that cross": (lambda: chain(20_011, 2), "crosses or touches itself has too many corners.*≤ 20000"),
+    "rules": (lambda: "<style>" + "a,b{}" * 1100 + "</style>", "too many style rules"),
+    "style": (lambda: f'<style>{" " * 2_200_000}</style>', "styles of the drawing are too long"),
+    "deep style": (lambda: f'<rect style="fill:{"(" * 100_000}"/>', "too deeply nested"),
+    "work": (
+        lambda: "<style>" + "b * *{}" * 1900 + "</style>" + "<g>" * 60 + '<rect width="1"/>' * 50 + "</g>" * 60,
+        "style selectors are too much work",
+    ),
+    "transform": (lambda: f'<rect transform="{"scale(1)" * 1000}"/>', "transform is too long"),
+    "huge radius": (lambda: '<path d="M0 0A1e200 1e200 0 0 1 5 5z"/>', "too many points|arc that cannot be drawn|not finite"),
+    "tiny radius": (lambda: '<path d="M0 0A1e-300 1e-300 0 0 1 5 5z"/>', "arc that cannot be drawn"),
+    "huge control": (lambda: '<path d="M0 0C1e200 1e200 0 0 1 5z"/>', "too many points"),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", TOO_MUCH)
+def test_bounds(svg, name):
+    make, says = TOO_MUCH[name]
+    body = make()
+    begin = time.process_time()
+    with pytest.raises(InputError, match=says):
+        svg(body).area()
+    assert time.process_time() - begin < (3.0 if name == "elements" else 6.0)
+
+
+def test_arcs_without_a_radius_are_lines(svg):
+    drawing = svg('<path d="M0 0A0 5 0 0 1 20 0 20 20 0 0 1 20 0V20z"/>')
+    assert drawing.area().area == pytest.approx(200e-6)
 
 
 def test_unite_contours_that_cross(svg):

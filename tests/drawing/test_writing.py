@@ -54,6 +54,8 @@ LINES = shapely.MultiLineString(
 )
 WRITERS = {".dxf": dxf_bytes, ".svg": svg_bytes}
 
+LEAF = Path(__file__).resolve().parents[2] / "examples" / "leaf" / "leaf.svg"
+
 
 @pytest.mark.parametrize("ending", WRITERS)
 @pytest.mark.parametrize("name", AREAS)
@@ -161,7 +163,7 @@ def test_what_cannot_be_written(make, says):
 
 
 def test_leaf():
-    drawing = read_drawing(Path(__file__).parent / "leaf.svg")
+    drawing = read_drawing(LEAF)
     assert drawing.notes == ()
     sheet, veins = drawing.area("SHEET"), drawing.area("PATTERN", strokes=True)
     assert (len(sheet.geoms), len(veins.geoms)) == (1, 1)
@@ -175,7 +177,7 @@ def test_leaf():
     whole = sum(n * w + math.pi * w * w / 4 for n, w in zip(lengths, widths, strict=True))
     assert 0.94 * whole < veins.area < whole
     # The render's green and the area agree.
-    text = (Path(__file__).parent / "leaf.svg").read_text()
+    text = (LEAF).read_text()
     text = text.replace("stroke:#3f7d2c", "stroke:none").replace("#2d6a1f", "#000000")
     png = resvg_py.svg_to_bytes(svg_string=text, background="white", width=1200, dpi=96)
     image = imread(io.BytesIO(bytes(png)))[:, :, :3]

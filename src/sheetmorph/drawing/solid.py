@@ -162,13 +162,14 @@ def _check_count(count: int) -> None:
 def _quiet() -> Iterator[None]:
     """Without the log of trimesh; older numpy warns of a text that is no number and reads on."""
     log = logging.getLogger("trimesh")
-    before, log.disabled = log.disabled, True
+    before = log.level
+    log.setLevel(logging.CRITICAL)
     try:
         with warnings.catch_warnings():
             warnings.filterwarnings("error", "string or file could not be read")
             yield
     finally:
-        log.disabled = before
+        log.setLevel(before)
 
 
 def _announced(data: bytes) -> int:
@@ -214,8 +215,10 @@ def _check_archive(data: bytes) -> None:
 
 def _model(data: bytes, request: Request) -> Any:
     """The model as lib3mf reads it; what it found odd is noted."""
-    import lib3mf
-
+    try:
+        import lib3mf
+    except (ImportError, OSError) as error:
+        raise InputError("3MF cannot be read here: lib3mf is missing; save it as STL") from error
     model = lib3mf.get_wrapper().CreateModel()
     reader = model.QueryReader("3mf")
     try:

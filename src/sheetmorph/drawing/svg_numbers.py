@@ -41,6 +41,7 @@ _COUNTS = {
     "skewx": (1,),
     "skewy": (1,),
 }
+MAX_NUMBERS = 500_000
 MAX_TRANSFORM = 5000
 
 
@@ -72,11 +73,14 @@ def numbers(text: str) -> list[float]:
     Raises:
         InputError: something else than numbers and commas is there, or one is not finite.
     """
+    words = _NUMBERS.findall(text)
+    if len(words) > MAX_NUMBERS:
+        raise InputError("is too long a list of numbers", allowed=f"≤ {MAX_NUMBERS}")
     if _NUMBERS.sub("", text).replace(",", " ").strip():
-        raise InputError("is no list of numbers", value=shorten(text, 60))
-    values = [float(word) for word in _NUMBERS.findall(text)]
+        raise InputError("is no list of numbers", value=shorten(text[:100], 60))
+    values = [float(word) for word in words]
     if not all(map(math.isfinite, values)):
-        raise InputError("has a number that is not finite", value=shorten(text, 60))
+        raise InputError("has a number that is not finite", value=shorten(text[:100], 60))
     return values
 
 

@@ -157,7 +157,7 @@ def _segments(text: str) -> Any:
         run = match[0].lstrip(" \t\r\n")
         if position == 0 and run[0] not in "Mm":
             raise InputError("the path does not start with M", value=shorten(text[:100], 40))
-        # Flags of arcs may stand together, so that up to three numbers look like one.
+        # The flags of an arc may stand together with what follows: three numbers look like one.
         count += max(len(_NUMBERS.findall(run)) / _SIZES[run[0].lower()], 1.0)
         if count > MAX_SEGMENTS:
             raise InputError("a path has too many segments", allowed=f"≤ {MAX_SEGMENTS}")
