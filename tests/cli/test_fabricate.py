@@ -48,7 +48,7 @@ def test_the_assembly_sheet_tells_the_shape(
     told = json.loads(capsys.readouterr().out)
     assert {"assembly.html", "assembly.pdf", "cut/sheet.dxf"} <= set(told["files"])
     summary = json.loads(Path("run/summary.json").read_text())
-    page = Path("parts/assembly.html").read_text()
+    page = Path("parts/assembly.html").read_text("utf-8")
     assert f"{1e3 * summary['height_m']:.1f}" in page
     assert "data:image/png;base64," in page
     assert main(["fabricate", "small.toml", "-o", "same", "--result", "run", "-q"]) == 0

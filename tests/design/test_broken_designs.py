@@ -108,7 +108,7 @@ BROKEN = {
         'kind = "polygon"\nunit = "mm"\npoints = [[0], [50, 0], [20, 10]]',
         ["outline.points[0]", "needs two values", "[x, y]"],
     ),
-    "pattern kind": ('"bar"', '"spiral"', ["pattern[0].kind", "'spiral'", "star, bar, disc"]),
+    "pattern kind": ('"bar"', '"spyral"', ["pattern[0].kind", "did you mean spiral?"]),
     "pattern outside": (BAR, BAR.replace('"0 mm"', '"50 mm"'), ["pattern[0]", "outside the sheet"]),
     "pattern past edge": (
         BAR,

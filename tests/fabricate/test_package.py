@@ -239,6 +239,6 @@ def test_without_lib3mf_there_are_stl_files(two_faces, tmp_path, monkeypatch) ->
     endings = {path.suffix for path in (tmp_path / "out" / "parts").iterdir()}
     assert endings == {".stl"}
     assert any("lib3mf" in warning for warning in package.warnings)
-    page = (tmp_path / "out" / "assembly.html").read_text()
+    page = (tmp_path / "out" / "assembly.html").read_text("utf-8")
     assert ".stl" in page
     assert ".3mf" not in page
