@@ -60,9 +60,10 @@ def test_the_assembly_sheet_tells_the_shape(
     [
         (["--nozzle", "0.4"], "--nozzle"),
         (["--bed", "200 mm"], "--bed"),
-        (["--kerf", "9 mm"], "kerf"),
-        (["--copies", "3"], "stock_width"),
-        (["--copies", "3", "--stock", "30 mm, 20 mm"], "stock"),
+        (["--kerf", "9 mm"], "--kerf: is out of range"),
+        (["--copies", "3"], '--stock "300 mm, 200 mm"'),
+        (["--copies", "3", "--stock", "30 mm, 20 mm"], "sheetmorph: --stock: "),
+        (["--result", "run", "--no-prediction"], "exclude each other"),
         (["--stock", "30 mm, 20 parsec"], "--stock"),
         (["--printer", "typewriter"], "generic-0.4"),
         (["--paper", "a9"], "a4"),
@@ -129,3 +130,19 @@ def test_bad_drawings(
     assert "\n" not in said
     assert wanted in said
     assert not Path("x.toml").exists()
+
+
+def test_set_mends_a_file_that_is_not_valid_as_it_stands(small: Path) -> None:
+    small.write_text(SMALL.replace("eps_pre = -0.4", "eps_pre = -4"))
+    assert main(["check", "small.toml"]) == 2
+    assert main(["check", "small.toml", "--set", "actuation.eps_pre=-0.4"]) == 0
+
+
+def test_a_shape_that_is_not_reached_is_told(
+    small: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main(["fabricate", "small.toml", "-o", "p", "--set", "solver.max_steps=1"]) == 0
+    assert "no full shape was computed: The computation ended at" in capsys.readouterr().err
+    page = Path("p/assembly.html").read_text("utf-8")
+    assert "too many steps" in page
+    assert "too_many_steps" not in page

@@ -74,3 +74,13 @@ def test_the_numbers_of_the_paper() -> None:
     assert degrees(PAPER_TEMPERATURE) == "149 °C (300 °F)"
     # 680 N/m² on 100 cm² are 6.8 N.
     assert cure_mass(1e-2) == pytest.approx(6.8 / 9.80665)
+
+
+def test_on_the_plateau_the_oven_is_not_overheated(make) -> None:
+    """The end of the built-in curve is no better than where it levels off."""
+    almost = oven_setting(make("", actuation="eps_pre = -0.59"))
+    full = oven_setting(make("", actuation="eps_pre = -0.6"))
+    assert full.reach == "reached"
+    assert full.temperature is not None
+    assert almost.temperature is not None
+    assert almost.temperature < full.temperature < almost.temperature + 3.0

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -86,30 +88,33 @@ def fabricate(
     from sheetmorph.fabricate.package import check_folder, fabricate_design
     from sheetmorph.fabricate.printer import find_profile
 
+    if no_prediction and result_folder is not None:
+        raise InputError("--result and --no-prediction exclude each other; keep one of them")
     design = load_design(file, overrides)
     if output is not None and not output.strip():
         raise InputError("-o wants a folder, such as parts", value=output)
     folder = Path(output) if output is not None else Path("fabricate") / file.stem
     bed_width, bed_depth = _pair(bed, "--bed")
     stock_width, stock_height = _pair(stock, "--stock")
-    options = FabricationOptions(
-        printer=find_profile(
-            printer,
-            nozzle_width=_length(nozzle, "--nozzle"),
-            bed_width=bed_width,
-            bed_depth=bed_depth,
-            minimum_feature=_length(minimum_feature, "--minimum-feature"),
-            layer_height=_length(layer_height, "--layer-height"),
-        ),
-        kerf=_length(kerf, "--kerf") or 0.0,
-        copies=copies,
-        stock_width=stock_width,
-        stock_height=stock_height,
-        **({} if spacing is None else {"spacing": _length(spacing, "--spacing") or 0.0}),
-        papers=papers or PAPERS,
-    )
+    with _by_their_options():
+        options = FabricationOptions(
+            printer=find_profile(
+                printer,
+                nozzle_width=_length(nozzle, "--nozzle"),
+                bed_width=bed_width,
+                bed_depth=bed_depth,
+                minimum_feature=_length(minimum_feature, "--minimum-feature"),
+                layer_height=_length(layer_height, "--layer-height"),
+            ),
+            kerf=_length(kerf, "--kerf") or 0.0,
+            copies=copies,
+            stock_width=stock_width,
+            stock_height=stock_height,
+            **({} if spacing is None else {"spacing": _length(spacing, "--spacing") or 0.0}),
+            papers=papers or PAPERS,
+        )
     check_folder(folder, force)
-    with ProgressBar(quiet or as_json) as listener, naming(file):
+    with ProgressBar(quiet or as_json) as listener, naming(file), _by_their_options():
         prediction = None if no_prediction else _predicted(design, result_folder, listener)
         package = fabricate_design(
             design, folder, options=options, prediction=prediction, force=force, on_event=listener
@@ -122,11 +127,45 @@ def fabricate(
         }
         click.echo(json.dumps(told, indent=2, ensure_ascii=False))
     elif not quiet:
-        for warning in package.warnings:
+        early = prediction is not None and prediction.status != "completed"
+        untold = [f"no full shape was computed: {prediction.note}"] if prediction and early else []
+        for warning in (*design.drawing_notes, *untold, *package.warnings):
             click.echo(f"warning: {warning}", err=True)
         click.echo(
             f"{design.name}: {len(package.files)} files in {package.folder} (open assembly.html)"
         )
+
+
+_OPTIONS = {
+    "nozzle_width": "--nozzle",
+    "bed_width": "--bed",
+    "bed_depth": "--bed",
+    "layer_height": "--layer-height",
+    "minimum_feature": "--minimum-feature",
+    "kerf": "--kerf",
+    "copies": "--copies",
+    "spacing": "--spacing",
+    "stock_width": "--stock",
+    "stock_height": "--stock",
+    "papers": "--paper",
+}
+"""Fields of `FabricationOptions` and `PrinterProfile`, as they are called on the command line."""
+
+
+@contextmanager
+def _by_their_options() -> Iterator[None]:
+    """Errors about the fields of the options name the options of the command line."""
+    try:
+        yield
+    except InputError as error:
+        if error.key not in _OPTIONS or error.file is not None:
+            raise
+        allowed = error.allowed
+        if error.key.startswith("stock") and (allowed or "").startswith("stock_width"):
+            allowed = '--stock "300 mm, 200 mm"'
+        raise InputError(
+            error.message, key=_OPTIONS[error.key], value=error.value, allowed=allowed
+        ) from None
 
 
 def _predicted(design: Design, folder: str | None, listener: Listener) -> Prediction:
@@ -140,7 +179,10 @@ def _predicted(design: Design, folder: str | None, listener: Listener) -> Predic
         return Prediction(0.0, 0.0, 0.0, 0.0, "failed", False, None, str(error))
     summary = result.summary
     width, depth, height = summary["bbox_m"]
+    if result.status == "interrupted":
+        raise click.exceptions.Abort("interrupted; nothing was written")
     done = result.status == "completed"
+    reached = 100 * summary["actuation_reached"]
     return Prediction(
         width=width,
         depth=depth,
@@ -149,7 +191,12 @@ def _predicted(design: Design, folder: str | None, listener: Listener) -> Predic
         status=result.status,
         stable=bool(summary["stable"]),
         picture_png=shape_png(result),
-        note="" if done else f"{summary['detail']}; {summary['remedy']}",
+        note=(
+            ""
+            if done
+            else f"The computation ended at {reached:.0f} % of the actuation "
+            f"({summary['detail'] or result.status.replace('_', ' ')}): {summary['remedy']}."
+        ),
     )
 
 
@@ -177,7 +224,9 @@ def _length(text: str | None, option: str) -> float | None:
     try:
         return to_si(text.strip(), "length")
     except InputError as error:
-        raise InputError(error.message, key=option, value=text, allowed='"0.2 mm"') from None
+        raise InputError(
+            error.message, key=option, value=text, allowed='a length, as in "0.2 mm"'
+        ) from None
 
 
 def _pair(text: str | None, option: str) -> tuple[float | None, float | None]:
@@ -185,5 +234,7 @@ def _pair(text: str | None, option: str) -> tuple[float | None, float | None]:
         return None, None
     parts = text.split(",")
     if len(parts) != 2:
-        raise InputError("wants two lengths", key=option, value=text, allowed='"300 mm, 200 mm"')
+        raise InputError(
+            "wants two lengths", key=option, value=text, allowed='as in "300 mm, 200 mm"'
+        )
     return _length(parts[0], option), _length(parts[1], option)

@@ -30,14 +30,13 @@ def load_design(file: Path, overrides: tuple[str, ...]) -> Design:
     """The design of a file with the values that --set gives."""
     from sheetmorph.design.spec import Design
 
-    design = Design.load(file)
     values: dict[str, object] = {}
     for text in overrides:
         key, equals, value = text.partition("=")
         if not equals or not key.strip():
             raise InputError("--set wants KEY=VALUE, such as actuation.eps_pre=-0.3", value=text)
         values[key.strip()] = value.strip()
-    return design.with_values(values) if values else design
+    return Design.load(file, values)
 
 
 @contextmanager
@@ -46,7 +45,7 @@ def naming(file: Path) -> Iterator[None]:
     try:
         yield
     except InputError as error:
-        names_key = error.key is not None and not error.key.startswith("SHEETMORPH_")
+        names_key = error.key is not None and not error.key.startswith(("SHEETMORPH_", "--"))
         raise (error.located(file) if names_key else error) from None
 
 

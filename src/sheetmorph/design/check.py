@@ -23,6 +23,7 @@ from sheetmorph.geometry.mesh import SheetMesh
 
 if TYPE_CHECKING:
     from sheetmorph.design.spec import Design
+    from sheetmorph.geometry.symmetry import Symmetry
 
 POOR_ANGLE = math.radians(15.0)
 AREA_MISMATCH = 0.15
@@ -98,7 +99,11 @@ def format_description(report: dict[str, Any]) -> str:
     mesh, actuation, support = report["mesh"], report["actuation"], report["supports"]
     plan = report["plan"]
     width, height = plan["size"]
-    cuts = [f"{plan[key]} {key}" for key in ("holes", "slits") if plan[key]]
+    cuts = [
+        f"{count} {what if count == 1 else f'{what}s'}"
+        for what, count in (("hole", plan["holes"]), ("slit", plan["slits"]))
+        if count
+    ]
     sheet = f"{1e3 * width:.4g} × {_mm(height)}, {1e6 * plan['area']:.4g} mm²"
     counts = f"{mesh['nodes']} nodes, {mesh['edges']} edges, {mesh['triangles']} triangles"
     angle = math.degrees(mesh["smallest_angle"])
@@ -154,7 +159,9 @@ def _mesh_numbers(design: Design, mesh: SheetMesh) -> dict[str, Any]:
         "mean_edge_length": mesh.mean_edge_length,
         "edge_length_range": [float(lengths.min()), float(lengths.max())],
         "smallest_angle": float(mesh.minimum_angles.min()),
-        "symmetry": str(design.symmetry) if design.spec.mesh.symmetry != "none" else None,
+        "symmetry": (
+            str(mesh_symmetry(design, mesh)) if design.spec.mesh.symmetry != "none" else None
+        ),
         "hinge_orientation": hinge_orientation(design, design.resolve_mesh_path()),
     }
 
@@ -195,18 +202,26 @@ def _range(values: np.ndarray[Any, np.dtype[np.float64]]) -> list[float]:
 
 def _symmetric_supports(design: Design, mesh: SheetMesh) -> bool:
     """False when a symmetry that mesh and design share moves a held node to a free one."""
-    from sheetmorph.geometry.symmetric_mesh import subgroups
     from sheetmorph.geometry.symmetry import node_images
 
     held = np.zeros(len(mesh.nodes), dtype=np.bool_)
     held[held_nodes(design, mesh, regions(design, mesh))] = True
+    group = mesh_symmetry(design, mesh)
+    return bool((held[node_images(mesh.nodes, group, 1e-9 * mesh.size)] == held).all())
+
+
+def mesh_symmetry(design: Design, mesh: SheetMesh) -> Symmetry:
+    """The largest part of a design's symmetry that its mesh has too."""
+    from sheetmorph.geometry.symmetric_mesh import subgroups
+    from sheetmorph.geometry.symmetry import Symmetry, node_images
+
     for group in subgroups(design.symmetry):
         try:
-            images = node_images(mesh.nodes, group, 1e-9 * mesh.size)
+            node_images(mesh.nodes, group, 1e-9 * mesh.size)
         except InputError:
             continue
-        return bool((held[images] == held).all())
-    return True
+        return group
+    return Symmetry(design.symmetry.centre, 1, None)
 
 
 def _warnings(design: Design, mesh: SheetMesh, report: dict[str, Any]) -> list[str]:
@@ -220,6 +235,8 @@ def _warnings(design: Design, mesh: SheetMesh, report: dict[str, Any]) -> list[s
         if abs(got - wanted) > AREA_MISMATCH * wanted:
             areas = f"{1e6 * got:.4g} mm² instead of {1e6 * wanted:.4g} mm²"
             found.append(f"the mesh gives the pattern {areas}; a finer mesh follows it better")
+    if report["plan"]["slits"] and design.spec.mesh.size is None:
+        found.append("slits are not opened in a mesh from a file; its own edges decide")
     if design.spec.mesh.symmetry != "none" and not _symmetric_supports(design, mesh):
         found.append("the supports do not have the symmetry of the mesh, so the shape will not")
     if report["actuation"]["eps_pre"] == 0:

@@ -28,7 +28,14 @@ def build_mesh(design: Design) -> SheetMesh:
     """The reference mesh of a design, see `Design.build_mesh`."""
     path = design.resolve_mesh_path()
     if path is None:
-        mesh = _make(design)
+        try:
+            mesh = _make(design)
+        except InputError as error:
+            if error.key != "slits":
+                raise
+            raise InputError(
+                error.message, key="outline.slits", value=error.value, allowed=error.allowed
+            ) from None
     else:
         from sheetmorph.geometry.files import read_mesh
 

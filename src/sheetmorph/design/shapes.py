@@ -174,6 +174,8 @@ def in_unit(data: Any, keys: tuple[str, ...]) -> Any:
     """
     if not isinstance(data, dict) or data.get("unit") is None:
         return data
+    if "file" in data and not any(key in data for key in keys):
+        return data  # the unit is that of a drawing, which knows more of them
     try:
         scale_of(data["unit"], "length")
     except InputError as error:

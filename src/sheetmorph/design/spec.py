@@ -52,8 +52,12 @@ class Design:
     file: Path | None = None
 
     @classmethod
-    def load(cls, path: str | Path) -> Design:
+    def load(cls, path: str | Path, values: Mapping[str, object] | None = None) -> Design:
         """Read a design file.
+
+        Args:
+            path: the file.
+            values: keys to set before it is checked, as for `with_values`.
 
         Raises:
             InputError: the file cannot be read or holds no valid design; the message
@@ -61,7 +65,11 @@ class Design:
         """
         file = Path(path)
         try:
-            return cls.from_toml(files.read_design_text(file), file.parent, file)
+            text = files.read_design_text(file)
+            if values:
+                files.parse_design_text(text)  # what is no TOML is told as such
+                text = files.edit_design_text(text, values)
+            return cls.from_toml(text, file.parent, file)
         except InputError as error:
             raise error.located(file) from None
 

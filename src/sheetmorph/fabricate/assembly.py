@@ -193,7 +193,7 @@ def _expected(prediction: Prediction | None) -> tuple[tuple[str, str], ...]:
         return ()
     ratio = prediction.aspect_ratio
     if not prediction.height and not prediction.width:
-        return (("Computation", prediction.status),)
+        return (("Computation", prediction.status.replace("_", " ")),)
     width, depth, height = (
         f"{1e3 * side:.1f} mm" for side in (prediction.width, prediction.depth, prediction.height)
     )
@@ -202,7 +202,7 @@ def _expected(prediction: Prediction | None) -> tuple[tuple[str, str], ...]:
         ("Depth (along y)", depth),
         ("Height", height),
         ("Height over width, h/d", f"{ratio:.3f}" if math.isfinite(ratio) else "–"),
-        ("Computation", prediction.status),
+        ("Computation", prediction.status.replace("_", " ")),
         ("Shape", "stable" if prediction.stable else "not stable: it may flip or bend otherwise"),
     )
 

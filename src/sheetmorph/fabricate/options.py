@@ -59,7 +59,7 @@ class FabricationOptions:
         given = [side for side in sides if side[1] is not None]
         if len(given) == 1:
             raise InputError(
-                "a sheet of stock has two sides; give stock_width and stock_height", key=given[0][0]
+                "a sheet of stock has two sides, a width and a height", key=given[0][0]
             )
         for key, side in given:
             check_length(key, side or 0.0, 1e-3, 10.0)

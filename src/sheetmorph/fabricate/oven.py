@@ -35,8 +35,9 @@ class OvenSetting:
 
     Attributes:
         reach: "given" when the design names the temperature, "reached" when the curve has
-            its strain, "beyond" when it shrinks more than the curve ever does, "swells" when
-            it grows and the curve never does, "none" when it does not move.
+            its strain (to 1 % on the plateau), "beyond" when it shrinks more than the curve
+            ever does, "swells" when it grows and the curve never does, "none" when it does
+            not move.
         eps_pre: free strain of the design.
         temperature: at which a free sheet has that strain [K]; None when there is none.
         plateau: the curve's strain that comes nearest to the design's.
@@ -74,7 +75,10 @@ def oven_setting(design: Design) -> OvenSetting:
     elif eps_pre == 0.0:
         reach, temperature = "none", None
     elif abs(nearest_ratio - 1.0 - eps_pre) < 1e-9:
-        reach, temperature = "reached", at_nearest
+        # On the plateau the curve creeps: its very end is no better than where it levels off.
+        extreme = (_range(curve)[0] if eps_pre < 0.0 else _range(curve)[1]) - 1.0
+        level = abs(eps_pre) >= _LEVEL * abs(extreme)
+        reach, temperature = "reached", levels_off if level else at_nearest
     else:
         reach, temperature = ("beyond" if eps_pre < 0.0 else "swells"), None
     return OvenSetting(
