@@ -53,8 +53,8 @@ def test_the_leaf_runs_as_it_is_drawn():
     design = sm.Design.from_toml(text, LEAF.parent)
     assert "strokes = true" in text
     assert len(design.pattern_polygon().geoms) == 1
-    assert design.drawing_notes
-    assert all(note.startswith("leaf.svg: ") for note in design.drawing_notes)
+    assert design.notes
+    assert all(note.startswith("leaf.svg: ") for note in design.notes)
     assert np.degrees(design.build_mesh().minimum_angles.min()) > 25
 
 

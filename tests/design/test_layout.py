@@ -231,6 +231,24 @@ BROKEN = {
         ),
         ["outline.cutouts[0]", "cuts nothing"],
     ),
+    "slit without length": (
+        design_of,
+        (
+            rectangle(9, 9),
+            None,
+            'kind = "disc"\nradius = "30 mm"\nunit = "mm"\nslits = [[[-20, 0], [-20, 0]]]',
+        ),
+        ["outline.slits[0]", "no length", "(-20, 0) mm"],
+    ),
+    "slits outside": (
+        design_of,
+        (
+            rectangle(9, 9),
+            None,
+            'kind = "disc"\nradius = "30 mm"\nunit = "mm"\nslits = [[[-40, 0], [-50, 0]]]',
+        ),
+        ["outline.slits", "outside the sheet"],
+    ),
     "drawing without folder": (
         design_of,
         ('[[pattern]]\nkind = "drawing"\nfile = "leaf.svg"\n',),
@@ -248,3 +266,42 @@ def test_broken_plans(case):
     assert "\n" not in message
     for fragment in fragments:
         assert fragment in message, message
+
+
+def test_slits_are_cut_off_at_the_rim():
+    sheet = (
+        'kind = "rectangle"\nwidth = "60 mm"\nheight = "40 mm"\nunit = "mm"\n'
+        "slits = [[[0, 12], [0, 25]], [[10, 12], [10, 20]]]\n"
+    )
+    design = design_of(rectangle(10, 10), outline=sheet)
+    assert design.layout.slits.length == pytest.approx(0.016)
+    (note,) = design.notes
+    assert "5 mm past the edge" in note
+    assert "(0, 22.5) mm" in note
+    assert len(design.build_mesh().hinges) > 0
+
+
+def test_pieces_beside_the_sheet_are_told():
+    array = 'grid_array = { columns = 5, dx = "14 mm" }\nclip = true'
+    design = design_of(rectangle(9, 9, 0, array))
+    (note,) = design.notes
+    assert "pattern[0]: 2 pieces of 162 mm² beside the sheet" in note
+    assert len(design.pattern_polygon().geoms) == 3
+
+
+def test_pieces_that_the_mesh_would_lose_are_refused():
+    array = 'grid_array = { columns = 4, rows = 2, dx = "6 mm", dy = "6 mm" }\npart = "pads"'
+    pads = rectangle(50, 6, 0, "") + rectangle(1.2, 1.2, -20, array).replace('"0 mm"]', '"8 mm"]')
+    design = design_of(pads, LAYERS + inert("a", "pattern") + inert("b", "pads"))
+    with pytest.raises(InputError, match=r"mesh\.size: is too coarse for the part pads: .* near"):
+        design.with_values({"mesh.size": "8 mm"}).build_mesh()
+    fine = design.with_values({"mesh.boundary_size": "1.2 mm"})
+    region = regions(fine, fine.build_mesh())
+    assert {cell.parts for cell in region.cells} == {(), ("pattern",), ("pads",)}
+
+
+def test_errors_of_the_mesher_name_a_key():
+    design = design_of(rectangle(58, 38, 0, 'operation = "union"'))
+    with pytest.raises(InputError) as caught:
+        design.with_values({"mesh.size": "7 mm"}).build_mesh()
+    assert caught.value.key == "mesh.size"

@@ -129,7 +129,7 @@ def fabricate(
     elif not quiet:
         early = prediction is not None and prediction.status != "completed"
         untold = [f"no full shape was computed: {prediction.note}"] if prediction and early else []
-        for warning in (*design.drawing_notes, *untold, *package.warnings):
+        for warning in (*design.notes, *untold, *package.warnings):
             click.echo(f"warning: {warning}", err=True)
         click.echo(
             f"{design.name}: {len(package.files)} files in {package.folder} (open assembly.html)"

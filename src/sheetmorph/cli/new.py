@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shlex
 from pathlib import Path
 
 import click
@@ -65,4 +66,4 @@ def new(
             )
         text = design_text(drawing, path.stem, sheet, pattern, slits)
     write_text(path, text)
-    click.echo(f"wrote {path}; next: sheetmorph run {path}")
+    click.echo(f"wrote {path}; next: sheetmorph run {shlex.quote(str(path))}")

@@ -62,7 +62,7 @@ def run(
     if as_json:
         click.echo(json.dumps(result.summary, indent=2, ensure_ascii=False))
     elif not quiet:
-        _tell(result.summary, folder, [*design.drawing_notes, *notes])
+        _tell(result.summary, folder, [*design.notes, *notes])
     if result.status == "interrupted":
         raise click.exceptions.Abort(
             f"interrupted after {len(result.positions) - 1} states; add --resume to go on"

@@ -90,7 +90,7 @@ def _plan_numbers(design: Design) -> dict[str, Any]:
             name: {"area": part.area, "pieces": len(part.geoms)}
             for name, part in layout.parts.items()
         },
-        "notes": list(design.drawing_notes),
+        "notes": list(design.notes),
     }
 
 

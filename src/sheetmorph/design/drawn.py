@@ -11,7 +11,7 @@ from pydantic import Field, PrivateAttr, ValidationInfo, model_validator
 from sheetmorph.core.errors import InputError
 from sheetmorph.design import files
 from sheetmorph.design.fields import Flag, Quantity, problem
-from sheetmorph.design.shapes import Shape
+from sheetmorph.design.shapes import MAX_POINTS, Shape
 
 if TYPE_CHECKING:
     from pydantic_core import PydanticCustomError
@@ -50,11 +50,20 @@ class Drawing(Shape):
 
     @model_validator(mode="after")
     def _read(self, info: ValidationInfo) -> Self:
+        import shapely
+
         drawing = self._open(info)
         try:
             region = drawing.region(self.select, strokes=self.strokes, overlaps=self.overlaps)
         except InputError as error:
             raise told(error, self.file, "select") from None
+        corners = shapely.get_num_coordinates(region.shape)
+        if corners > MAX_POINTS:
+            raise problem(
+                f"{self.file}: has {corners} corners; draw it with fewer points",
+                key="file",
+                allowed=f"≤ {MAX_POINTS}",
+            )
         self._area = region.shape
         self._notes = tuple(f"{self.file}: {note}" for note in (*drawing.notes, *region.notes))
         return self

@@ -22,7 +22,9 @@ if TYPE_CHECKING:
     from sheetmorph.design.piece import Piece
     from sheetmorph.design.schema import DesignSchema
 
-MAX_VERTICES = 200_000
+MAX_VERTICES = 100_000
+NOTED = 1e-5
+"""Slits may reach past the sheet by this length without a note [m]."""
 EDGE_TOLERANCE = 2e-4
 """How far a pattern may reach past the sheet, as a fraction of the sheet's diagonal."""
 
@@ -37,11 +39,13 @@ class Layout:
         drawn: each part of the pattern as it is drawn [m], not cut off at the rim of the sheet:
             nodes of a curved rim lie a little outside the polygon that stands for it, and
             still belong to the part.
+        notes: what was cut off, in sentences with coordinates.
     """
 
     sheet: Polygon
     slits: MultiLineString
     drawn: Mapping[str, MultiPolygon]
+    notes: tuple[str, ...] = ()
 
     @cached_property
     def parts(self) -> Mapping[str, MultiPolygon]:
@@ -71,7 +75,7 @@ def lay_out(outline: OutlineShape, pattern: Iterable[Piece]) -> Layout:
 
     with _below("outline"):
         sheet = outline.sheet()
-        slits = outline.cuts()
+        slits, notes = _within(outline.cuts(), sheet)
     low_x, low_y, high_x, high_y = sheet.bounds
     reach = EDGE_TOLERANCE * math.hypot(high_x - low_x, high_y - low_y)
     grown = sheet.buffer(reach, join_style="mitre")
@@ -83,6 +87,7 @@ def lay_out(outline: OutlineShape, pattern: Iterable[Piece]) -> Layout:
             region = piece.region(sheet)
         if piece.operation == "union":
             _check_place(region, piece.clip, sheet, grown, key)
+            notes += _lost(region, sheet, key)
         before = drawn.get(piece.part)
         if before is None and piece.operation != "union":
             raise problem(
@@ -100,7 +105,9 @@ def lay_out(outline: OutlineShape, pattern: Iterable[Piece]) -> Layout:
             raise problem(f"nothing is left of the part {piece.part}", key=key)
         if shapely.get_num_coordinates(drawn[piece.part]) > MAX_VERTICES:
             raise problem("has too many corners", key=key, allowed=f"≤ {MAX_VERTICES}")
-    layout = Layout(sheet, slits, {name: polygons(shape) for name, shape in drawn.items()})
+    layout = Layout(
+        sheet, slits, {name: polygons(shape) for name, shape in drawn.items()}, tuple(notes)
+    )
     if layout.pattern.area > 0.999 * sheet.area:
         raise problem("covers the whole sheet, so nothing is free to shrink", key="pattern")
     return layout
@@ -114,6 +121,48 @@ def polygons(shape: BaseGeometry) -> MultiPolygon:
     return shapely.MultiPolygon(
         [part for part in parts if isinstance(part, shapely.Polygon) and part.area > 0]
     )
+
+
+def _within(slits: MultiLineString, sheet: Polygon) -> tuple[MultiLineString, list[str]]:
+    """The slits as far as they lie on the sheet, and a note on what was cut off."""
+    import shapely
+
+    if slits.is_empty or sheet.covers(slits):
+        return slits, []
+    outside = shapely.difference(slits, sheet)
+    rest = [
+        line
+        for line in shapely.get_parts(shapely.line_merge(shapely.intersection(slits, sheet)))
+        if isinstance(line, shapely.LineString)
+    ]
+    if not rest:
+        raise problem("lie outside the sheet", key="slits")
+    if outside.length < NOTED:
+        return shapely.MultiLineString(rest), []
+    at = shapely.get_parts(outside)[0].interpolate(0.5, normalized=True)
+    note = (
+        f"outline.slits: {1e3 * outside.length:.3g} mm past the edge of the sheet are cut off, "
+        f"near {place(at.x, at.y)}"
+    )
+    return shapely.MultiLineString(rest), [note]
+
+
+def _lost(region: BaseGeometry, sheet: Polygon, key: str) -> list[str]:
+    """A note on the pieces of a shape that lie beside the sheet altogether."""
+    import shapely
+
+    away = [piece for piece in shapely.get_parts(region) if not piece.intersects(sheet)]
+    if not away:
+        return []
+    at, area = away[0].representative_point(), sum(piece.area for piece in away)
+    what = "1 piece" if len(away) == 1 else f"{len(away)} pieces"
+    near = place(at.x, at.y)
+    return [f"{key}: {what} of {1e6 * area:.3g} mm² beside the sheet left out, near {near}"]
+
+
+def place(x: float, y: float) -> str:
+    """A place in the plan, for people."""
+    return f"({1e3 * x:.4g}, {1e3 * y:.4g}) mm"
 
 
 def _check_place(

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from sheetmorph.core.errors import InputError
 from sheetmorph.core.units import scale_of
 from sheetmorph.design.distance import signed_distance
+from sheetmorph.design.layout import place
 from sheetmorph.design.regions import hinge_face
 from sheetmorph.geometry.mesh import Floats, SheetMesh
 
@@ -21,6 +22,8 @@ if TYPE_CHECKING:
     from sheetmorph.design.spec import Design
 
 AREA_TOLERANCE = 0.05
+SPECK = 0.1
+"""Pieces of the pattern smaller than the square of this times the mesh size may get lost."""
 _TIE = 1e-6
 
 
@@ -31,11 +34,11 @@ def build_mesh(design: Design) -> SheetMesh:
         try:
             mesh = _make(design)
         except InputError as error:
-            if error.key != "slits":
-                raise
+            key = {None: "mesh.size", "slits": "outline.slits"}.get(error.key, error.key)
             raise InputError(
-                error.message, key="outline.slits", value=error.value, allowed=error.allowed
+                error.message, file=design.file, key=key, value=error.value, allowed=error.allowed
             ) from None
+        _check_follows(design, mesh)
     else:
         from sheetmorph.geometry.files import read_mesh
 
@@ -71,6 +74,29 @@ def _make(design: Design) -> SheetMesh:
         growth=growth,
         wanted="full" if kind == "auto" else kind,
     )
+
+
+def _check_follows(design: Design, mesh: SheetMesh) -> None:
+    """Refuse a mesh in which a piece of the pattern has no triangle."""
+    import shapely
+
+    size = design.spec.mesh.boundary_size or design.spec.mesh.size or 0.0
+    centres = shapely.points(mesh.triangle_centroids)
+    for name, part in design.layout.parts.items():
+        pieces = shapely.get_parts(part)
+        hit, _ = shapely.STRtree(centres).query(pieces, predicate="contains")
+        lost = np.setdiff1d(np.flatnonzero(shapely.area(pieces) > (SPECK * size) ** 2), hit)
+        if len(lost):
+            at, area = pieces[lost[0]].representative_point(), pieces[lost[0]].area
+            more = f" ({len(lost)} such pieces)" if len(lost) > 1 else ""
+            raise InputError(
+                f"is too coarse for the part {name}: a piece of {1e6 * area:.3g} mm² near "
+                f"{place(at.x, at.y)} has no triangle{more}",
+                file=design.file,
+                key="mesh.size",
+                value=f"{1e3 * size:g} mm",
+                allowed=f"≤ {1e3 * np.sqrt(area):.2g} mm, or mesh.boundary_size as small as that",
+            )
 
 
 def hinge_orientation(design: Design, path: Path | None) -> str:

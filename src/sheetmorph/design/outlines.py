@@ -6,6 +6,8 @@ pattern can have besides: cutouts and slits, or what `piece` lists.
 
 from __future__ import annotations
 
+import math
+from itertools import pairwise
 from typing import TYPE_CHECKING, Annotated, Any, Self
 
 from pydantic import Field, PrivateAttr, ValidationInfo, model_validator
@@ -19,9 +21,11 @@ if TYPE_CHECKING:
     from shapely import MultiLineString, Polygon
 
 MAX_CUTOUTS = 500
-MAX_SLITS = 1000
+MAX_SLITS = 5000
+LEAST_SLIT = 1e-5
+"""Shorter slits are points [m]."""
 
-Slit = Annotated[tuple[Point, ...], Field(min_length=2, max_length=1000)]
+Slit = Annotated[tuple[Point, ...], Field(min_length=2, max_length=shapes.MAX_POINTS)]
 
 
 class DiscPiece(Piece, shapes.Disc):
@@ -100,6 +104,18 @@ class OutlineShape(shapes.Shape):
     @classmethod
     def _units_of_slits(cls, data: Any) -> Any:
         return shapes.in_unit(data, ("slits",))
+
+    @model_validator(mode="after")
+    def _slits_have_a_length(self) -> Self:
+        if sum(map(len, self.slits)) > shapes.MAX_POINTS:
+            raise problem("have too many points", key="slits", allowed=f"≤ {shapes.MAX_POINTS}")
+        for index, slit in enumerate(self.slits):
+            if sum(math.dist(a, b) for a, b in pairwise(slit)) < LEAST_SLIT:
+                x, y = slit[0]
+                raise problem(
+                    f"has no length, at ({1e3 * x:.4g}, {1e3 * y:.4g}) mm", key=f"slits[{index}]"
+                )
+        return self
 
     def sheet(self) -> Polygon:
         """The sheet: the outline with rounded corners, without its cutouts [m].

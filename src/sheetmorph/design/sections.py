@@ -161,7 +161,7 @@ class MeshSource(Section):
 
     size: Size | None = None
     boundary_size: Size | None = None
-    growth: Annotated[Number, Field(ge=0.05, le=1)] = 0.3
+    growth: Annotated[Number, Field(ge=0.05, le=0.5)] = 0.3
     symmetry: Literal["none", "auto", "mirror", "rotation"] = "none"
     file: FileName | None = None
     reference_file: FileName | None = None

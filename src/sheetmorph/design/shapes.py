@@ -19,7 +19,9 @@ if TYPE_CHECKING:
     from shapely import Polygon as ShapelyPolygon
     from shapely.geometry.base import BaseGeometry
 
-MAX_POINTS = 10_000
+MAX_POINTS = 50_000
+"""Corners of a shape; a design file of 5 MB has room for them."""
+MAX_RINGS = 10_000
 CIRCLE_SEGMENTS = 240
 """Sides of the polygon that stands for a circle: chord error 8.6e-5 of the radius."""
 
@@ -107,7 +109,7 @@ class Polygon(Shape):
     points: Annotated[tuple[Point, ...], Field(min_length=3, max_length=MAX_POINTS)]
     holes: Annotated[
         tuple[Annotated[tuple[Point, ...], Field(min_length=3, max_length=MAX_POINTS)], ...],
-        Field(max_length=200),
+        Field(max_length=MAX_RINGS),
     ] = ()
 
     @model_validator(mode="before")
@@ -142,8 +144,8 @@ class Polygons(Shape):
     kind: Literal["polygons"]
     unit: str | None = None
     polygons: Annotated[
-        tuple[Annotated[tuple[Ring, ...], Field(min_length=1, max_length=200)], ...],
-        Field(min_length=1, max_length=1000),
+        tuple[Annotated[tuple[Ring, ...], Field(min_length=1, max_length=MAX_RINGS)], ...],
+        Field(min_length=1, max_length=MAX_RINGS),
     ]
 
     @model_validator(mode="before")
@@ -153,8 +155,8 @@ class Polygons(Shape):
 
     @model_validator(mode="after")
     def _are_simple(self) -> Self:
-        if sum(len(ring) for rings in self.polygons for ring in rings) > 10 * MAX_POINTS:
-            raise problem("has too many corners", key="polygons", allowed=f"≤ {10 * MAX_POINTS}")
+        if sum(len(ring) for rings in self.polygons for ring in rings) > MAX_POINTS:
+            raise problem("has too many corners", key="polygons", allowed=f"≤ {MAX_POINTS}")
         _check_simple(self.polygon(), "polygons")
         return self
 

@@ -237,11 +237,11 @@ class Design:
         return find_symmetry([shape for shape in shapes if not shape.is_empty])
 
     @property
-    def drawing_notes(self) -> tuple[str, ...]:
-        """What was closed, joined or left out when the drawings were read."""
+    def notes(self) -> tuple[str, ...]:
+        """What was closed, joined, cut off or left out in drawings and plan."""
         shapes = [self.outline, *self.pattern]
         notes = [note for shape in shapes if isinstance(shape, Drawing) for note in shape.notes()]
-        return tuple(dict.fromkeys(notes))
+        return tuple(dict.fromkeys([*notes, *self.layout.notes]))
 
     def resolve_mesh_path(self) -> Path | None:
         """Path of the mesh file, or None when the mesh is made from its size.

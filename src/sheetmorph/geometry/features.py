@@ -48,7 +48,7 @@ def checked_lines(lines: Geometry | None, what: str) -> Geometry:
     """Lines without the points that an intersection may leave, or an InputError."""
     import shapely
 
-    if lines is None:
+    if lines is None or lines.is_empty:
         return shapely.MultiLineString()
     _check_geometry(
         lines,
