@@ -4,11 +4,14 @@ from __future__ import annotations
 
 import json
 import shutil
+from itertools import pairwise
 from pathlib import Path
 
+import ezdxf
 import pytest
 from small import SMALL
 
+import sheetmorph as sm
 from sheetmorph.cli import main
 from sheetmorph.drawing.read import read_drawing
 
@@ -21,6 +24,30 @@ def small(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     file = tmp_path / "small.toml"
     file.write_text(SMALL)
     return file
+
+
+def open_plate(file: Path) -> None:
+    """A DXF that names no unit, of a sheet with a gap of 0.2 and a closed pattern."""
+    document = ezdxf.new()
+    document.header["$INSUNITS"] = 0
+    space = document.modelspace()
+    corners = [(0, 0), (60, 0), (60, 40), (0, 40), (0, 0.2)]
+    for start, end in pairwise(corners):
+        space.add_line(start, end, dxfattribs={"layer": "SHEET"})
+    rib = [(10, 15), (50, 15), (50, 25), (10, 25)]
+    space.add_lwpolyline(rib, close=True, dxfattribs={"layer": "PATTERN"})
+    document.saveas(file)
+
+
+def test_unit_and_gap_of_a_drawing(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    open_plate(Path("plate.dxf"))
+    wanted = ["--unit", "mm", "--gap", "0.3 mm"]
+    assert main(["new", "plate", "--drawing", "plate.dxf", *wanted]) == 0
+    design = sm.Design.load("plate.toml")
+    assert design.outline_polygon().area == pytest.approx(2400e-6, rel=0.01)
+    assert design.pattern_polygon().area == pytest.approx(400e-6, rel=1e-9)
+    assert any("0.2" in note for note in design.notes)
 
 
 def test_a_drawing_becomes_parts(
@@ -113,6 +140,12 @@ def test_parts_are_not_overwritten_unasked(small: Path, capsys: pytest.CaptureFi
         (["new", "x", "--drawing", "leaf.svg", "--pattern", "RIBS"], "RIBS"),
         (["new", "sub/x", "--drawing", "leaf.svg"], "one folder"),
         (["new", "x", "--sheet", "A"], "--drawing"),
+        (["new", "x", "--unit", "mm"], "--drawing"),
+        (["new", "x", "--drawing", "plate.dxf"], "--unit"),
+        (["new", "x", "--drawing", "plate.dxf", "--unit", "parsec"], "--unit"),
+        (["new", "x", "--drawing", "plate.dxf", "--unit", "mm"], "--gap"),
+        (["new", "x", "--drawing", "plate.dxf", "--unit", "mm", "--gap", "1"], "--gap"),
+        (["new", "x", "--drawing", "plate.stl"], "no layers"),
     ],
 )
 def test_bad_drawings(
@@ -125,6 +158,8 @@ def test_bad_drawings(
     monkeypatch.chdir(tmp_path)
     shutil.copy(LEAF, tmp_path)
     Path("text.svg").write_text("no drawing")
+    Path("plate.stl").write_text("solid")
+    open_plate(Path("plate.dxf"))
     assert main(arguments) == 2
     said = capsys.readouterr().err.strip()
     assert "\n" not in said
@@ -141,8 +176,10 @@ def test_set_mends_a_file_that_is_not_valid_as_it_stands(small: Path) -> None:
 def test_a_shape_that_is_not_reached_is_told(
     small: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    assert main(["fabricate", "small.toml", "-o", "p", "--set", "solver.max_steps=1"]) == 0
-    assert "no full shape was computed: The computation ended at" in capsys.readouterr().err
+    assert main(["fabricate", "small.toml", "-o", "p", "--set", "solver.max_steps=1"]) == 1
+    said = capsys.readouterr().err
+    assert "the files are written, but no shape: The computation ended at" in said
     page = Path("p/assembly.html").read_text("utf-8")
     assert "too many steps" in page
     assert "too_many_steps" not in page
+    assert "data:image/png" not in page

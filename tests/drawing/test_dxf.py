@@ -271,7 +271,7 @@ def crossing(space):
 
 
 BROKEN = {
-    "open": (lambda s: s.add_lwpolyline([(0, 0), (20, 0), (20, 20), (0.4, 0)]), r"open contour: ends at \(0, 0\) mm and \(0.4, 0\) mm are 0.4 mm apart.*allowed gap 0.01 mm"),
+    "open": (lambda s: s.add_lwpolyline([(0, 0), (20, 0), (20, 20), (0.4, 0)]), r"open contour: ends at \(0, 0\) mm and \(0.4, 0\) mm are 0.4 mm apart.*allowed: gap of 0.01 mm"),
     "open by a little": (lambda s: (lines_of(s, [(0, 0), (5, 5), (9, 0)]), s.add_lwpolyline([(0, 30), (20, 30), (20, 40), (0, 30.02)])), r"\(0, 30\) mm and \(0, 30.02\) mm are 0.02 mm apart"),
     "branch": (lambda s: (lines_of(s, SQUARE), s.add_line((0, 0), (5, 5))), r"3 ends of lines meet at \(0, 0\) mm|open contour: ends at \(0, 0\) mm"),
     "crosses itself": (lambda s: s.add_lwpolyline([(0, 0), (20, 20), (20, 0), (0, 20)], close=True), r"a contour crosses itself at \(10, 10\) mm"),

@@ -10,8 +10,15 @@ from typing import TYPE_CHECKING
 
 import click
 
-from sheetmorph.cli.shared import ProgressBar, design_file, load_design, naming, set_values
-from sheetmorph.core.errors import ComputationError, InputError
+from sheetmorph.cli.shared import (
+    ProgressBar,
+    design_file,
+    load_design,
+    naming,
+    read_length,
+    set_values,
+)
+from sheetmorph.core.errors import ComputationError, InputError, SheetmorphError
 
 if TYPE_CHECKING:
     from sheetmorph.core.events import Listener
@@ -100,17 +107,17 @@ def fabricate(
         options = FabricationOptions(
             printer=find_profile(
                 printer,
-                nozzle_width=_length(nozzle, "--nozzle"),
+                nozzle_width=read_length(nozzle, "--nozzle"),
                 bed_width=bed_width,
                 bed_depth=bed_depth,
-                minimum_feature=_length(minimum_feature, "--minimum-feature"),
-                layer_height=_length(layer_height, "--layer-height"),
+                minimum_feature=read_length(minimum_feature, "--minimum-feature"),
+                layer_height=read_length(layer_height, "--layer-height"),
             ),
-            kerf=_length(kerf, "--kerf") or 0.0,
+            kerf=read_length(kerf, "--kerf") or 0.0,
             copies=copies,
             stock_width=stock_width,
             stock_height=stock_height,
-            **({} if spacing is None else {"spacing": _length(spacing, "--spacing") or 0.0}),
+            **({} if spacing is None else {"spacing": read_length(spacing, "--spacing") or 0.0}),
             papers=papers or PAPERS,
         )
     check_folder(folder, force)
@@ -127,13 +134,13 @@ def fabricate(
         }
         click.echo(json.dumps(told, indent=2, ensure_ascii=False))
     elif not quiet:
-        early = prediction is not None and prediction.status != "completed"
-        untold = [f"no full shape was computed: {prediction.note}"] if prediction and early else []
-        for warning in (*design.notes, *untold, *package.warnings):
+        for warning in (*design.notes, *package.warnings):
             click.echo(f"warning: {warning}", err=True)
         click.echo(
             f"{design.name}: {len(package.files)} files in {package.folder} (open assembly.html)"
         )
+    if prediction is not None and prediction.status != "completed":
+        raise SheetmorphError(f"{file}: the files are written, but no shape: {prediction.note}")
 
 
 _OPTIONS = {
@@ -184,13 +191,13 @@ def _predicted(design: Design, folder: str | None, listener: Listener) -> Predic
     done = result.status == "completed"
     reached = 100 * summary["actuation_reached"]
     return Prediction(
-        width=width,
-        depth=depth,
-        height=height,
-        aspect_ratio=summary["aspect_ratio"],
+        width=width if done else 0.0,
+        depth=depth if done else 0.0,
+        height=height if done else 0.0,
+        aspect_ratio=summary["aspect_ratio"] if done else 0.0,
         status=result.status,
         stable=bool(summary["stable"]),
-        picture_png=shape_png(result),
+        picture_png=shape_png(result) if done else None,
         note=(
             ""
             if done
@@ -216,19 +223,6 @@ def _result_of(design: Design, folder: str | None, listener: Listener) -> Result
     return result
 
 
-def _length(text: str | None, option: str) -> float | None:
-    from sheetmorph.core.units import to_si
-
-    if text is None:
-        return None
-    try:
-        return to_si(text.strip(), "length")
-    except InputError as error:
-        raise InputError(
-            error.message, key=option, value=text, allowed='a length, as in "0.2 mm"'
-        ) from None
-
-
 def _pair(text: str | None, option: str) -> tuple[float | None, float | None]:
     if text is None:
         return None, None
@@ -237,4 +231,4 @@ def _pair(text: str | None, option: str) -> tuple[float | None, float | None]:
         raise InputError(
             "wants two lengths", key=option, value=text, allowed='as in "300 mm, 200 mm"'
         )
-    return _length(parts[0], option), _length(parts[1], option)
+    return read_length(parts[0], option), read_length(parts[1], option)

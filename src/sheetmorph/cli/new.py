@@ -7,6 +7,7 @@ from pathlib import Path
 
 import click
 
+from sheetmorph.cli.shared import read_length
 from sheetmorph.core.errors import InputError
 
 # As in design.presets, which --help must not import.
@@ -26,6 +27,8 @@ PRESETS = ("bowl", "canoe", "petals", "kirigami", "blank")
 @click.option("--sheet", metavar="LAYER", help="Its layer, id or colour of the sheet [SHEET].")
 @click.option("--pattern", metavar="LAYER", help="That of the pattern [PATTERN].")
 @click.option("--slits", metavar="LAYER", help="That of the slits [SLITS, if there is one].")
+@click.option("--unit", help="Of its numbers, where it names none: mm, in, px, …")
+@click.option("--gap", metavar="LENGTH", help='Join ends of lines this close, as in "0.5 mm".')
 @click.option("--force", is_flag=True, help="Replace a file that is already there.")
 def new(
     name: str,
@@ -34,6 +37,8 @@ def new(
     sheet: str | None,
     pattern: str | None,
     slits: str | None,
+    unit: str | None,
+    gap: str | None,
     force: bool,
 ) -> None:
     """Write NAME.toml, a commented design file to start from.
@@ -46,8 +51,8 @@ def new(
     from sheetmorph.core.files import write_text
     from sheetmorph.design.presets import preset_text
 
-    if drawing is None and (sheet or pattern or slits):
-        raise InputError("--sheet, --pattern and --slits go with --drawing")
+    if drawing is None and (sheet or pattern or slits or unit or gap):
+        raise InputError("--sheet, --pattern, --slits, --unit and --gap go with --drawing")
     if not Path(name).name or name.endswith(("/", "\\")):
         raise InputError("give a name for the design, such as my_bowl", value=name)
     path = Path(name if name.endswith(".toml") else f"{name}.toml")
@@ -64,6 +69,14 @@ def new(
                 file=drawing,
                 allowed=str(path.resolve().parent / drawing.name),
             )
-        text = design_text(drawing, path.stem, sheet, pattern, slits)
+        joined = read_length(gap, "--gap")
+        try:
+            text = design_text(drawing, path.stem, sheet, pattern, slits, unit, joined)
+        except InputError as error:
+            # The keys of a design, which is not there yet, are options here.
+            key = f"--{error.key}" if error.key in ("unit", "gap") else error.key
+            raise InputError(
+                error.message, file=error.file, key=key, value=error.value, allowed=error.allowed
+            ) from None
     write_text(path, text)
     click.echo(f"wrote {path}; next: sheetmorph run {shlex.quote(str(path))}")

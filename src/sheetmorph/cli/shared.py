@@ -39,6 +39,24 @@ def load_design(file: Path, overrides: tuple[str, ...]) -> Design:
     return Design.load(file, values)
 
 
+def read_length(text: str | None, option: str) -> float | None:
+    """The length that an option gives [m]; None where it is not given.
+
+    Raises:
+        InputError: no number with a unit of length.
+    """
+    from sheetmorph.core.units import to_si
+
+    if text is None:
+        return None
+    try:
+        return to_si(text.strip(), "length")
+    except InputError as error:
+        raise InputError(
+            error.message, key=option, value=text, allowed='a length, as in "0.2 mm"'
+        ) from None
+
+
 @contextmanager
 def naming(file: Path) -> Iterator[None]:
     """Name the design file in errors about one of its keys that name no file."""

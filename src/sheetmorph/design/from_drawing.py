@@ -54,7 +54,13 @@ class Roles:
 
 
 def design_text(
-    path: Path, name: str, sheet: str | None, pattern: str | None, slits: str | None
+    path: Path,
+    name: str,
+    sheet: str | None = None,
+    pattern: str | None = None,
+    slits: str | None = None,
+    unit: str | None = None,
+    gap: float | None = None,
 ) -> str:
     """TOML text of a design for a drawing, with comments.
 
@@ -65,6 +71,8 @@ def design_text(
         name: of the design.
         sheet, pattern, slits: layers of a DXF, ids, labels, classes or colours of an SVG; by
             default the usual names are looked for.
+        unit: of the drawing's numbers, where it names none or the wrong one.
+        gap: ends of lines closer than this are joined [m].
 
     Raises:
         InputError: the drawing is broken, or a name is not in it.
@@ -72,7 +80,14 @@ def design_text(
     from sheetmorph.design.presets import preset_text
     from sheetmorph.drawing.read import read_drawing
 
-    drawing = read_drawing(path)
+    if path.suffix.lower() == ".stl":
+        raise InputError(
+            "an STL file has no layers: it can be the sheet or the pattern of a design, not both; "
+            'write kind = "drawing" and its name into the one table or the other',
+            file=path,
+            allowed="for a whole design: .dxf, .svg, .3mf",
+        )
+    drawing = read_drawing(path, unit=unit, **({} if gap is None else {"gap": gap}))
     roles = _roles(drawing, sheet, pattern, slits)
     try:
         strokes = _drawn_as_strokes(drawing, roles.pattern)
@@ -85,13 +100,17 @@ def design_text(
     size = f"{1e3 * _mesh_size(outline, ribs):.2g} mm"
     rest = rest.replace('size = "4 mm"', f'size = "{size}"', 1)
     slit_line = f"slit_select = {_quoted(roles.slits)}\n" if roles.slits else ""
+    reading = f"unit = {_quoted(unit)}\n" if unit else ""
+    reading += f'gap = "{1e3 * gap:g} mm"\n' if gap is not None else ""
     stroke_line = "strokes = true # strokes are ribs as wide as they are drawn\n" if strokes else ""
     return (
         _TEMPLATE.format(
             name=name,
             file=_quoted(path.name),
-            outline=f"select = {_quoted(roles.sheet)}\n{slit_line}",
-            pattern=f'select = {_quoted(roles.pattern)}\n{stroke_line}overlaps = "union"\n',
+            outline=f"select = {_quoted(roles.sheet)}\n{slit_line}{reading}",
+            pattern=(
+                f'select = {_quoted(roles.pattern)}\n{stroke_line}{reading}overlaps = "union"\n'
+            ),
         )
         + rest
     )

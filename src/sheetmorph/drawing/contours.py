@@ -95,7 +95,9 @@ def open_contour(curves: Iterable[Curve], gap: float, hint: str = "") -> InputEr
         )
     return InputError(
         f"open contour: ends at {at(a)} and {at(b)} are {mm(apart)} apart{more}; "
-        f"close it in the drawing{hint}; allowed gap {mm(gap)}"
+        f"close it in the drawing{hint}",
+        key="gap",
+        allowed=f"gap of {mm(gap)}",
     )
 
 

@@ -116,4 +116,6 @@ def check_extent(items: Sequence[DrawnItem], unit: float) -> None:
     small = size < 0.5e-3
     shown = f"{1e3 * size:.3g} mm" if small else f"{size:.4g} m"
     what = "wide" if width >= height else "high"
-    raise InputError(f"the drawing is {shown} {what}; {hint}", allowed="between 0.5 mm and 10 m")
+    raise InputError(
+        f"the drawing is {shown} {what}; {hint}", key="unit", allowed="between 0.5 mm and 10 m"
+    )
