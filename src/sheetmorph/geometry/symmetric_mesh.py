@@ -93,9 +93,9 @@ def symmetric_mesh(
         raise InputError(
             "outline, pattern and slits have no symmetry in common"
             if symmetry.trivial
-            else f"the sheet has no symmetry of the kind {wanted!r}",
+            else f"outline, pattern and slits have {symmetry}, and no {wanted}",
             key="mesh.symmetry",
-            value=str(symmetry),
+            value=wanted,
         )
     sheet = _checked(outline, pattern, slits, size, boundary_size)
     if not has_symmetry([outline, *pattern, sheet.slits], symmetry):
@@ -182,7 +182,8 @@ def _best(sheet: Sheet, lengths: Lengths, group: Symmetry) -> tuple[SheetMesh | 
             try:
                 mesh = _sized(sheet, lengths.scaled(scale), group, direction)
             except InputError as error:
-                reason = reason or error.message
+                # The place that it may name is that in the turned sector, not on the sheet.
+                reason = reason or error.message.partition(" near (")[0]
                 continue
             except GEOSException:
                 reason = reason or "boundaries run too close to each other or to a ray"
