@@ -5,7 +5,6 @@ Run it in the project's environment: .venv/bin/python docs/make_pattern_pictures
 
 from __future__ import annotations
 
-import io
 import re
 from dataclasses import dataclass
 from pathlib import Path
@@ -97,6 +96,8 @@ def read_examples(page: Path) -> list[Example]:
 
 def main() -> None:
     """Draw all pictures of the page."""
+    from make_pictures import shrink
+
     from sheetmorph.show import style
 
     examples = read_examples(DOCS / "patterns.md")
@@ -104,7 +105,7 @@ def main() -> None:
         chosen = [example for example in examples if example.picture == name]
         with style.style():
             draw(chosen, DOCS / "pictures" / name)
-        shrink(DOCS / "pictures" / name)
+        shrink(DOCS / "pictures" / name, COLOURS)
 
 
 def draw(examples: list[Example], path: Path) -> None:
@@ -161,19 +162,6 @@ def fill(axes: Axes, shape: Any, rgb: tuple[int, int, int]) -> None:
                 lw=0.9,
             )
         )
-
-
-def shrink(path: Path) -> None:
-    """Write the picture again with a palette, which takes a quarter of the room."""
-    from PIL import Image
-
-    from sheetmorph.core.files import write_bytes
-
-    with Image.open(path) as picture:
-        small = picture.quantize(COLOURS, method=Image.Quantize.MEDIANCUT)
-    stream = io.BytesIO()
-    small.save(stream, format="PNG", optimize=True)
-    write_bytes(path, stream.getvalue())
 
 
 if __name__ == "__main__":

@@ -60,12 +60,12 @@ def draw(sheet: style.Sheet, x: int, result: sm.Result, painter: RenderWorker) -
     )
 
 
-def shrink(path: Path) -> None:
+def shrink(path: Path, colours: int = COLOURS) -> None:
     """Write the picture again with a palette, which takes a quarter of the room."""
     from PIL import Image
 
     with Image.open(path) as picture:
-        small = picture.quantize(COLOURS, method=Image.Quantize.MEDIANCUT)
+        small = picture.quantize(colours, method=Image.Quantize.MEDIANCUT)
     stream = io.BytesIO()
     small.save(stream, format="PNG", optimize=True)
     write_bytes(path, stream.getvalue())

@@ -2,10 +2,7 @@
 
 from __future__ import annotations
 
-import importlib.util
 import math
-import sys
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -13,13 +10,13 @@ import shapely
 from pydantic import TypeAdapter
 from shapely.affinity import affine_transform, rotate, translate
 
+from pages import page_examples
 from sheetmorph.core.errors import InputError
 from sheetmorph.design.outlines import PatternShape
 from sheetmorph.design.presets import preset_text
 from sheetmorph.design.spec import Design
 from sheetmorph.geometry.quality import mesh_quality
 
-ROOT = Path(__file__).resolve().parents[2]
 SHEET = shapely.box(-0.06, -0.06, 0.06, 0.06)
 BIG = shapely.box(-0.3, -0.3, 0.3, 0.3)
 READ = TypeAdapter(PatternShape)
@@ -280,16 +277,6 @@ def test_parameters_that_cannot_be(base, piece, keys, key, text):
         Design.from_toml(broken).layout  # noqa: B018  draws the pattern
     assert caught.value.key == f"pattern[1].{key}"
     assert "\n" not in str(caught.value)
-
-
-def page_examples():
-    """The examples of docs/patterns.md, as the script that draws them reads them."""
-    script = ROOT / "docs" / "make_pattern_pictures.py"
-    spec = importlib.util.spec_from_file_location("make_pattern_pictures", script)
-    module = importlib.util.module_from_spec(spec)
-    sys.modules[spec.name] = module  # dataclasses look there for their module
-    spec.loader.exec_module(module)
-    return module.read_examples(ROOT / "docs" / "patterns.md")
 
 
 EXAMPLES = page_examples()
