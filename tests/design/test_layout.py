@@ -126,8 +126,8 @@ def test_layers_lie_in_their_parts():
     total = shapely.union_all([cell.area for cell in others])
     assert total.area == pytest.approx(sum(cell.area.area for cell in others), rel=1e-9)
     under, over = design.inert_parts
-    assert (under.name, under.face, under.order) == ("under", "bottom", 0)
-    assert (over.name, over.face, over.order) == ("over", "top", 0)
+    assert (under.name, under.face) == ("under", "bottom")
+    assert (over.name, over.face) == ("over", "top")
     assert over.region.area == pytest.approx(300e-6, rel=1e-12)
 
 

@@ -99,6 +99,42 @@ def two_faces() -> Design:
     return complete(TWO_FACES, below=("rail",))
 
 
+SKINNED = """
+name = "skinned"
+[outline]
+kind = "disc"
+radius = "50 mm"
+[[pattern]]
+kind = "rectangle"
+part = "up"
+width = "60 mm"
+height = "10 mm"
+[[pattern]]
+kind = "rectangle"
+part = "down"
+width = "10 mm"
+height = "60 mm"
+"""
+_STACK = (
+    ("outer", "inert", "0.2 mm", 2000, "down"),
+    ("inner", "inert", "0.4 mm", 1250, "down"),
+    ("polystyrene", "active", "0.3 mm", 1050, "everywhere"),
+    ("skin", "inert", "0.1 mm", 1000, "everywhere"),
+    ("rib", "inert", "0.8 mm", 1250, "up"),
+)
+
+
+@pytest.fixture(scope="session")
+def skinned() -> Design:
+    """Two layers of one part beneath, a whole inert sheet on top and a part on that."""
+    layers = "".join(
+        f'[[layers]]\nname = "{name}"\nrole = "{role}"\nthickness = "{thickness}"\n'
+        f'young_modulus = "1 MPa"\ndensity = "{density} kg/m^3"\nwhere = "{where}"\n'
+        for name, role, thickness, density, where in _STACK
+    )
+    return Design.from_toml(SKINNED + layers + REST.format(actuation="eps_pre = -0.3"))
+
+
 @pytest.fixture(scope="session")
 def bare() -> Design:
     """A sheet without pattern."""

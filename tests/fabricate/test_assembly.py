@@ -82,6 +82,31 @@ def test_both_faces_are_explained(two_faces) -> None:
     assert [row[1] for row in sheet.layers.rows] == ["inert rail", "polystyrene", "inert arms"]
 
 
+def test_parts_on_a_whole_inert_sheet(skinned) -> None:
+    sheet = sheet_of(skinned)
+    assert [row[3] for row in sheet.layers.rows] == [
+        "printed; its upper face is glued to inner and lies on the printer's bed",
+        "printed; its upper face is glued to polystyrene and lies on the printer's bed",
+        "active film, whole sheet",
+        "inert sheet, whole outline, glued to polystyrene",
+        "printed; its lower face is glued to skin and lies on the printer's bed",
+    ]
+    (glue,) = [step.lines for step in sheet.steps if step.title == "Glue"]
+    _, whole, top, below = glue
+    assert "from below, with glue all over: polystyrene, then skin." in whole
+    assert "set rib on its shaded places, on skin, the face from the bed downward." in top
+    assert "skin" not in top.partition("set rib")[0]
+    assert below.index("set inner on its shaded places, on polystyrene") < below.index("set outer")
+    # 600 mm² of each part; the disc is a polygon of 240 sides.
+    film = skinned.outline_polygon().area
+    masses = [600e-6 * 0.2e-3 * 2000, 600e-6 * 0.4e-3 * 1250, film * 0.3e-3 * 1050]
+    masses += [film * 0.1e-3 * 1000, 600e-6 * 0.8e-3 * 1250]
+    wanted = [f"{1e3 * mass:.3g} g" for mass in (*masses, sum(masses))]
+    assert [row[6] for row in sheet.parts.rows] == wanted
+    # 680 N/m² over the whole sheet, which is glued to the skin.
+    assert "is 0.54 kg on the glued area of this sheet, 78.5 cm², which is all" in text_of(sheet)
+
+
 def test_other_kinds_of_design(make, bare) -> None:
     sheet = sheet_of(bare)
     assert [step.title for step in sheet.steps] == ["Cut the sheet", "Heat", "Take it out"]
@@ -106,7 +131,8 @@ def test_the_page_stands_alone(two_faces, predicted) -> None:
     assert "url(" not in page
     assert page.count("<svg ") == 2
     assert "data:image/png;base64," in page
-    for words in ("68.1 mm", "0.455", "completed", "A note."):
+    label = "Height over the largest width in any direction, h/d"
+    for words in ("68.1 mm", label, "0.455", "completed", "A note."):
         assert words in page
     assert "No shape was computed" in assembly_html(sheet_of(two_faces))
 
@@ -147,10 +173,19 @@ def test_the_pdf_says_the_same(two_faces, predicted) -> None:
 
 
 def test_failed_and_broken_predictions(two_faces) -> None:
-    failed = Prediction(0.0, 0.0, 0.0, 0.0, "failed", False, None, "no equilibrium")
-    sheet = sheet_of(two_faces, failed)
-    assert sheet.expected == (("Computation", "failed"),)
-    assert "did not reach the full actuation" in sheet.expected_note
+    for size, picture in ((0.0, None), (0.0537, png())):
+        failed = Prediction(
+            size, size, size, 0.7531, "not_converged", True, picture, "Ended at 4 %."
+        )
+        sheet = sheet_of(two_faces, failed)
+        assert sheet.expected == (("Shape", "unknown"), ("Computation", "not converged"))
+        assert sheet.picture_png is None
+        assert sheet.expected_note.startswith("The shape is unknown: the computation did not reach")
+        assert sheet.expected_note.endswith("full actuation. Ended at 4 %.")
+        page = assembly_html(sheet)
+        for words in ("53.7 mm", "0.753", "stable", "data:image/png", "<img", "bend the other way"):
+            assert words not in page, words
+        assert "Ended at 4 %." in page
     with pytest.raises(InputError, match="picture_png"):
         Prediction(0.1, 0.1, 0.1, 1.0, "completed", True, b"GIF89a")
     with pytest.raises(InputError, match="height"):

@@ -59,7 +59,7 @@ def test_layers_come_in_the_order_of_cutting(two_faces, bare) -> None:
 
 
 def test_marks_are_the_same_in_both_files_and_touch_no_part(two_faces) -> None:
-    sheet, pattern = cut.sheet_inks(two_faces, 1e-3)[-1], cut.pattern_inks(two_faces, 1e-3)[-1]
+    sheet, pattern = cut.sheet_inks(two_faces, 1e-3)[-1], cut.pattern_inks(two_faces, 1e-3)[0][-1]
     assert sheet.name == pattern.name == cut.MARKS
     assert sheet.shapes[0].equals(pattern.shapes[0])
     marks = sheet.shapes[0]
@@ -88,11 +88,29 @@ def test_the_side_of_the_kerf_is_said() -> None:
     assert "0.1 mm inside holes; slits are not moved" in cut.describe_kerf(0.2e-3)
 
 
+def test_parts_that_cannot_be_cut_are_left_out(make) -> None:
+    slotted = (
+        '[[pattern]]\npart = "{}"\nkind = "disc"\nradius = "9 mm"\n[[pattern]]\npart = "{}"\n'
+        'kind = "disc"\nradius = "0.2 mm"\noperation = "difference"\n'
+    )
+    plain = '[[pattern]]\npart = "b"\nkind = "disc"\nradius = "5 mm"\ncentre = ["30 mm", "0 mm"]\n'
+    both = make(slotted.format("a", "a") + plain)
+    inks, told = cut.pattern_inks(both, 0.5e-3)
+    assert [ink.name for ink in inks] == ["b", cut.MARKS]
+    assert inks[0].colour == cut.pattern_inks(both, 0.1e-3)[0][1].colour
+    (sentence,) = told
+    assert sentence.startswith(
+        "cut/pattern leaves out the part a: the hole of the part a at (0, 0)"
+    )
+    assert cut.pattern_inks(make(slotted.format("a", "a")), 0.5e-3)[0] == []
+    assert cut.pattern_inks(both, 0.1e-3)[1] == []
+
+
 @pytest.mark.parametrize("kerf", [0.0, 1e-3])
 def test_the_two_drawings_lie_upon_each_other(two_faces, kerf: float) -> None:
     """Same page, same origin, same marks: a viewer or a laser needs no alignment."""
     head = [
         re.search(r"<svg [^>]*>", svg_bytes(inks, margin=2e-3).decode("utf-8"))[0]
-        for inks in (cut.sheet_inks(two_faces, kerf), cut.pattern_inks(two_faces, kerf))
+        for inks in (cut.sheet_inks(two_faces, kerf), cut.pattern_inks(two_faces, kerf)[0])
     ]
     assert head[0] == head[1]

@@ -5,33 +5,38 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from sheetmorph.design.shrinkage import ShrinkCurve, built_in_curve
+from sheetmorph.design.shrinkage import built_in_curve
 from sheetmorph.fabricate.oven import (
     PAPER_TEMPERATURE,
     cure_mass,
     degrees,
     oven_setting,
     sentences_of,
-    temperature_for,
 )
 
 CURVE = built_in_curve("polystyrene")
 
 
-def test_the_inverse_undoes_the_curve() -> None:
-    for eps_pre in np.linspace(-0.5999, -0.001, 40):
-        temperature = temperature_for(CURVE, float(eps_pre))
-        assert CURVE.eps_pre(temperature) == pytest.approx(eps_pre, abs=1e-9)
-    # At the nodes of the table: 366.5 K times T/Tg.
-    assert temperature_for(CURVE, 0.705 - 1.0) == pytest.approx(1.075 * 366.5)
-    assert temperature_for(CURVE, -0.6) == pytest.approx(1.2 * 366.5)
-    assert temperature_for(CURVE, -0.61) is None
-    assert temperature_for(CURVE, 0.1) is None
+def test_the_inverse_undoes_the_curve(bare) -> None:
+    def temperature(eps_pre: float) -> float | None:
+        return oven_setting(bare.with_values({"actuation.eps_pre": eps_pre})).temperature
+
+    # Up to 99 % of the plateau.
+    for eps_pre in np.linspace(-0.5939, -0.001, 40).tolist():
+        assert CURVE.eps_pre(temperature(eps_pre)) == pytest.approx(eps_pre, abs=1e-9)
+    # At a node of the table: 366.5 K times T/Tg.
+    assert temperature(0.705 - 1.0) == pytest.approx(1.075 * 366.5)
+    assert temperature(-0.61) is None
+    assert temperature(0.1) is None
 
 
-def test_the_lowest_of_several_temperatures_is_taken() -> None:
-    curve = ShrinkCurve("x", np.array([300.0, 350.0, 400.0, 450.0]), np.array([1, 0.8, 0.6, 0.8]))
-    assert temperature_for(curve, -0.2) == pytest.approx(350.0)
+def test_the_lowest_of_several_temperatures_is_taken(make, tmp_path) -> None:
+    (tmp_path / "dip.csv").write_text(
+        "temperature [degC], L/L0\n20, 1\n70, 0.8\n120, 0.6\n170, 0.8\n"
+    )
+    actuation = 'eps_pre = -0.2\nshrink_curve = "dip.csv"'
+    setting = oven_setting(make("", actuation=actuation, folder=tmp_path))
+    assert setting.temperature == pytest.approx(343.15)
 
 
 def test_a_design_within_the_curve(make) -> None:

@@ -11,7 +11,7 @@ import shapely
 from sheetmorph.core.errors import InputError
 from sheetmorph.core.events import Notice, Progress
 from sheetmorph.drawing.read import read_drawing
-from sheetmorph.fabricate.names import distinct, safe_name
+from sheetmorph.fabricate.names import distinct, part_names, safe_name
 from sheetmorph.fabricate.options import FabricationOptions
 from sheetmorph.fabricate.package import MANIFEST, check_folder, fabricate_design
 from sheetmorph.fabricate.printer import PrinterProfile
@@ -177,13 +177,62 @@ def test_nothing_is_written_when_the_design_cannot_be_made(two_faces, make, tmp_
     with pytest.raises(InputError, match="does not fit a stock"):
         fabricate_design(two_faces, tmp_path / "out", options=small)
     text = (
+        '[outline]\nkind = "disc"\nradius = "50 mm"\n'
+        'cutouts = [{ kind = "disc", radius = "0.2 mm" }]\n'
+    )
+    wide = FabricationOptions(kerf=0.5e-3, papers=())
+    with pytest.raises(InputError, match=r"kerf: the hole of the sheet at \(0, 0\) mm"):
+        fabricate_design(make(text), tmp_path / "out", options=wide)
+    assert not (tmp_path / "out").exists()
+
+
+def test_a_kerf_too_wide_for_a_printed_part_is_told(make, tmp_path) -> None:
+    text = (
         '[[pattern]]\nkind = "disc"\nradius = "9 mm"\n[[pattern]]\nkind = "disc"\n'
         'radius = "0.2 mm"\noperation = "difference"'
     )
     wide = FabricationOptions(kerf=0.5e-3, papers=())
-    with pytest.raises(InputError, match=r"hole of the part pattern at \(0, 0\) mm"):
-        fabricate_design(make(text), tmp_path / "out", options=wide)
-    assert not (tmp_path / "out").exists()
+    package = fabricate_design(make(text), tmp_path / "out", options=wide)
+    names = set(contents(package.folder))
+    assert "parts/inert-pattern.3mf" in names
+    assert "cut/sheet.dxf" in names
+    assert not any(name.startswith("cut/pattern") for name in names)
+    assert any("cut/pattern leaves out the part pattern" in told for told in package.warnings)
+    page = (package.folder / "assembly.html").read_text("utf-8")
+    assert "coincide with those of cut/pattern" not in page
+    assert "cut/pattern.dxf" not in page
+
+
+@pytest.mark.parametrize("plates", [1, 2])
+def test_no_layer_takes_the_name_of_a_plate(two_faces, tmp_path, plates: int) -> None:
+    values = {"layers.0.name": "plate", "layers.2.name": "plate-1"}
+    bed = 0.2 if plates == 1 else 0.09
+    options = FabricationOptions(
+        printer=PrinterProfile("x", 0.4e-3, bed, bed, 0.8e-3, 0.2e-3), papers=()
+    )
+    package = fabricate_design(two_faces.with_values(values), tmp_path / "out", options=options)
+    arranged = ["plate"] if plates == 1 else ["plate-1", "plate-2"]
+    wanted = {"plate-part", "plate-1-part", *arranged}
+    assert {p.stem for p in package.files if p.suffix == ".3mf"} == wanted
+    layout = two_faces.layout.parts
+    for name, part in (("plate-part", "rail"), ("plate-1-part", "arms")):
+        found = read_drawing(package.folder / f"parts/{name}.3mf").area()
+        assert found.area == pytest.approx(layout[part].area, rel=1e-6)
+    page = (package.folder / "assembly.html").read_text("utf-8")
+    together = " and ".join(f"parts/{name}.3mf" for name in arranged)
+    single = "parts/plate-part.3mf and parts/plate-1-part.3mf"
+    assert f"Print {together} (parts arranged on the bed), or {single}, in the" in page
+
+
+def test_only_plates_that_exist_are_named(two_faces, tmp_path) -> None:
+    options = FabricationOptions(
+        printer=PrinterProfile("tiny", 0.4e-3, 0.06, 0.06, 0.8e-3, 0.2e-3), papers=()
+    )
+    package = fabricate_design(two_faces, tmp_path / "out", options=options)
+    page = (package.folder / "assembly.html").read_text("utf-8")
+    assert "plate.3mf" not in page
+    assert "Print parts/inert-rail.3mf and parts/inert-arms.3mf, in the orientation" in page
+    assert "inert rail and inert arms are larger than that bed" in page
 
 
 @pytest.mark.parametrize(
@@ -211,7 +260,15 @@ def test_names_are_safe() -> None:
     assert safe_name("con") == "con-"
     assert len(safe_name("x" * 500)) == 60
     assert distinct(["A", "a", "A-2", "b"]) == ["A", "a-2", "A-2-2", "b"]
-    assert distinct(["plate"], taken=["plate"]) == ["plate-2"]
+    assert distinct(["sheet"], taken=["sheet"]) == ["sheet-2"]
+    layers = ["plate", "PLATE", "plate-12", "plate x", "plate-part"]
+    assert part_names(layers) == [
+        "plate-part",
+        "PLATE-part-2",
+        "plate-12-part",
+        "plate-x",
+        "plate-part-3",
+    ]
 
 
 def test_a_slit_through_a_part_is_told(make, tmp_path) -> None:
@@ -233,8 +290,7 @@ half_width = "3 mm"
 
 
 def test_without_lib3mf_there_are_stl_files(two_faces, tmp_path, monkeypatch) -> None:
-    for module in ("contents", "steps"):
-        monkeypatch.setattr(f"sheetmorph.fabricate.{module}.writes_3mf", lambda: False)
+    monkeypatch.setattr("sheetmorph.fabricate.contents.writes_3mf", lambda: False)
     package = fabricate_design(two_faces, tmp_path / "out", options=QUICK)
     endings = {path.suffix for path in (tmp_path / "out" / "parts").iterdir()}
     assert endings == {".stl"}

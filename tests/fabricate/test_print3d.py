@@ -9,10 +9,11 @@ import pytest
 import shapely
 from shapely.affinity import rotate
 
+from sheetmorph.core.errors import InputError
 from sheetmorph.fabricate.print3d import arrange, extruded, is_closed, lay_on_bed
 from sheetmorph.fabricate.printer import GENERIC, PrinterProfile
 from sheetmorph.fabricate.solid_files import bytes_3mf, bytes_stl
-from sheetmorph.fabricate.stack import check_stack, glued_area, levels_of
+from sheetmorph.fabricate.stack import bonded_first, check_stack, glued_area, levels_of
 
 HOOK = (
     '[[pattern]]\nkind = "polygon"\nunit = "mm"\n'
@@ -146,7 +147,7 @@ def test_layers_lie_upon_each_other(two_faces) -> None:
     assert [round(1e3 * level.low, 9) for level in levels] == [-0.8, 0.0, 0.3]
     assert [round(1e3 * level.high, 9) for level in levels] == [0.0, 0.3, 1.1]
     assert check_stack(levels) == []
-    assert glued_area(levels, "top") == pytest.approx(two_faces.layout.parts["arms"].area)
+    assert glued_area(levels) == pytest.approx(two_faces.layout.parts["arms"].area)
 
 
 def test_parts_that_lie_half_upon_each_other_are_told(make) -> None:
@@ -167,5 +168,52 @@ def test_a_sheet_over_a_part_is_told(make) -> None:
         '[[layers]]\nname = "cover"\nrole = "inert"\nthickness = "0.1 mm"\n'
         'young_modulus = "1 MPa"\n[actuation]',
     )
-    (told,) = check_stack(levels_of(type(design).from_toml(text)))
+    levels = levels_of(type(design).from_toml(text))
+    (told,) = check_stack(levels)
     assert told.startswith("cover covers the whole sheet and lies over inert pattern")
+    assert [level.on for level in levels] == [(), ("polystyrene",), ("inert pattern",)]
+    assert [level.layer.name for level in bonded_first(levels)] == ["polystyrene"]
+    assert glued_area(levels) == pytest.approx(design.pattern_polygon().area)
+
+
+def test_each_layer_is_glued_to_its_nearest_one(skinned) -> None:
+    levels = levels_of(skinned)
+    assert [(level.layer.name, level.on) for level in levels] == [
+        ("outer", ("inner",)),
+        ("inner", ("polystyrene",)),
+        ("polystyrene", ()),
+        ("skin", ("polystyrene",)),
+        ("rib", ("skin",)),
+    ]
+    assert [level.layer.name for level in bonded_first(levels)] == ["polystyrene", "skin"]
+    assert glued_area(levels) == pytest.approx(skinned.outline_polygon().area)
+    assert round(1e3 * levels[-1].low, 9) == 0.4
+
+
+def test_a_part_half_on_another_touches_both(make) -> None:
+    text = (
+        '[[pattern]]\npart = "a"\nkind = "disc"\nradius = "10 mm"\n'
+        '[[pattern]]\npart = "b"\nkind = "disc"\nradius = "10 mm"\ncentre = ["15 mm", "0 mm"]'
+    )
+    assert levels_of(make(text))[-1].on == ("inert a", "polystyrene")
+
+
+def test_a_part_between_films_is_refused(make) -> None:
+    design = make('[[pattern]]\nkind = "disc"\nradius = "10 mm"')
+    text = design.source.replace(
+        "[actuation]",
+        '[[layers]]\nname = "film b"\nrole = "active"\nthickness = "0.3 mm"\n'
+        'young_modulus = "0.9 MPa"\n[actuation]',
+    )
+    with pytest.raises(InputError, match="inert pattern lies between two active films") as caught:
+        levels_of(type(design).from_toml(text))
+    assert (caught.value.key, caught.value.value) == ("layers[1].where", "pattern")
+
+
+def test_a_whole_inert_sheet_between_films_is_bonded_like_a_film(bare) -> None:
+    layer = '[[layers]]\nname = "{}"\nrole = "{}"\nthickness = "1 mm"\nyoung_modulus = "1 MPa"\n'
+    more = layer.format("core", "inert") + layer.format("film b", "active") + "[actuation]"
+    levels = levels_of(type(bare).from_toml(bare.source.replace("[actuation]", more)))
+    assert [level.on for level in levels] == [(), ("polystyrene",), ("core",)]
+    assert bonded_first(levels) == levels
+    assert glued_area(levels) == pytest.approx(bare.outline_polygon().area)

@@ -117,7 +117,7 @@ def _check_drawings(design: Design, folder: Path) -> None:
     for ending, write in ((".dxf", dxf_bytes), (".svg", svg_bytes)):
         sheet, pattern = (folder / f"{name}{ending}" for name in ("sheet", "pattern"))
         sheet.write_bytes(write(cut.sheet_inks(design, 0.0)))
-        pattern.write_bytes(write(cut.pattern_inks(design, 0.0)))
+        pattern.write_bytes(write(cut.pattern_inks(design, 0.0)[0]))
         drawing = read_drawing(sheet)
         found = drawing.area(cut.SHEET)
         if design.outline_polygon().interiors:

@@ -94,6 +94,7 @@ def fabricate(
     from sheetmorph.fabricate.options import FabricationOptions
     from sheetmorph.fabricate.package import check_folder, fabricate_design
     from sheetmorph.fabricate.printer import find_profile
+    from sheetmorph.fabricate.stack import levels_of
 
     if no_prediction and result_folder is not None:
         raise InputError("--result and --no-prediction exclude each other; keep one of them")
@@ -121,6 +122,8 @@ def fabricate(
             papers=papers or PAPERS,
         )
     check_folder(folder, force)
+    with naming(file):
+        levels_of(design)  # what cannot be made is refused before it is computed
     with ProgressBar(quiet or as_json) as listener, naming(file), _by_their_options():
         prediction = None if no_prediction else _predicted(design, result_folder, listener)
         package = fabricate_design(

@@ -207,7 +207,6 @@ class InertPart:
         thickness: [m].
         density: [kg/m³].
         face: "top" when it lies above the active film, "bottom" when it lies below.
-        order: 0 for the layer next to the film, 1 for the one on top of that, and so on.
     """
 
     name: str
@@ -216,30 +215,20 @@ class InertPart:
     thickness: float
     density: float
     face: Literal["top", "bottom"]
-    order: int
 
 
 def find_inert_parts(design: DesignSchema) -> tuple[InertPart, ...]:
     """The inert layers of the parts of the pattern, in the order of the layers."""
-    active = [k for k, layer in enumerate(design.layers) if layer.role == "active"]
-    found = []
-    for index, layer in enumerate(design.layers):
-        if layer.where == EVERYWHERE:
-            continue
-        below = index < active[0]
-        between = (
-            design.layers[index + 1 : active[0]] if below else design.layers[active[-1] : index]
+    first = next(k for k, layer in enumerate(design.layers) if layer.role == "active")
+    return tuple(
+        InertPart(
+            layer.name,
+            layer.where,
+            design.layout.parts[layer.where],
+            layer.thickness,
+            layer.density,
+            "bottom" if index < first else "top",
         )
-        order = sum(other.where == layer.where for other in between)
-        found.append(
-            InertPart(
-                layer.name,
-                layer.where,
-                design.layout.parts[layer.where],
-                layer.thickness,
-                layer.density,
-                "bottom" if below else "top",
-                order,
-            )
-        )
-    return tuple(found)
+        for index, layer in enumerate(design.layers)
+        if layer.where != EVERYWHERE
+    )

@@ -49,7 +49,8 @@ class Assembly:
         parts: what to cut and to print, with masses.
         files: what is in the folder.
         steps: what to do.
-        expected: label and value of the predicted shape; empty without a prediction.
+        expected: label and value of the predicted shape; that it is unknown when the
+            computation did not reach it; empty without a prediction.
         expected_note: a line below them.
         picture_png: of the predicted shape.
         safety: what to beware of.
@@ -112,10 +113,10 @@ def describe(
         layers=_layer_table(levels),
         parts=_part_table(levels, options.copies),
         files=Table(("File", "What it is"), tuple((files or {}).items())),
-        steps=steps.all_steps(design, tuple(levels), printed, options, setting),
+        steps=steps.all_steps(design, tuple(levels), printed, options, setting, tuple(files or ())),
         expected=_expected(prediction),
         expected_note=_expected_note(prediction),
-        picture_png=None if prediction is None else prediction.picture_png,
+        picture_png=prediction.picture_png if prediction and _reached(prediction) else None,
         safety=steps.SAFETY,
         sources=(PAPER, f"Shrink curve: “{setting.curve}”. Sizes, areas and masses: the design."),
     )
@@ -146,12 +147,12 @@ def _layer_table(levels: Sequence[Level]) -> Table:
             how = (
                 f"{level.layer.role} film, whole sheet"
                 if level.face == "film"
-                else ("inert sheet, whole outline")
+                else f"inert sheet, whole outline, glued to {steps.joined(level.on)}"
             )
             rows.append((str(number), level.layer.name, _mm(level.layer.thickness), how))
             continue
         side = "lower" if level.face == "top" else "upper"
-        on = "the film" if level.part.order == 0 else "the part before it"
+        on = steps.joined(level.on)
         rows.append(
             (
                 str(number),
@@ -191,9 +192,10 @@ def _part_table(levels: Sequence[Level], copies: int) -> Table:
 def _expected(prediction: Prediction | None) -> tuple[tuple[str, str], ...]:
     if prediction is None:
         return ()
-    ratio = prediction.aspect_ratio
-    if not prediction.height and not prediction.width:
-        return (("Computation", prediction.status.replace("_", " ")),)
+    status = prediction.status.replace("_", " ")
+    if not _reached(prediction):
+        return (("Shape", "unknown"), ("Computation", status))
+    ratio = f"{prediction.aspect_ratio:.3f}" if math.isfinite(prediction.aspect_ratio) else "–"
     width, depth, height = (
         f"{1e3 * side:.1f} mm" for side in (prediction.width, prediction.depth, prediction.height)
     )
@@ -201,8 +203,8 @@ def _expected(prediction: Prediction | None) -> tuple[tuple[str, str], ...]:
         ("Width (along x)", width),
         ("Depth (along y)", depth),
         ("Height", height),
-        ("Height over width, h/d", f"{ratio:.3f}" if math.isfinite(ratio) else "–"),
-        ("Computation", prediction.status.replace("_", " ")),
+        ("Height over the largest width in any direction, h/d", ratio),
+        ("Computation", status),
         ("Shape", "stable" if prediction.stable else "not stable: it may flip or bend otherwise"),
     )
 
@@ -211,16 +213,22 @@ def _expected_note(prediction: Prediction | None) -> str:
     if prediction is None:
         return "No shape was computed for this sheet."
     told = [prediction.note.strip()] if prediction.note.strip() else []
-    if prediction.status != "completed":
-        told.append(
-            "The computation did not reach the full actuation; numbers, where there are any, are "
-            "those of the last state it found."
+    if not _reached(prediction):
+        return " ".join(
+            [
+                "The shape is unknown: the computation did not reach the full actuation.",
+                *told,
+            ]
         )
     told.append(
         "Real sheets sometimes bend the other way: in the paper, up or down was decided by small "
         "imperfections, with very similar shapes."
     )
     return " ".join(told)
+
+
+def _reached(prediction: Prediction) -> bool:
+    return prediction.status == "completed"
 
 
 def _signed(value: float) -> str:

@@ -12,7 +12,7 @@ from sheetmorph.core.events import Listener, Progress, silent
 from sheetmorph.fabricate import cut
 from sheetmorph.fabricate.assembly import describe
 from sheetmorph.fabricate.assembly_pages import assembly_html, assembly_pdf
-from sheetmorph.fabricate.names import distinct, safe_name
+from sheetmorph.fabricate.names import part_names, plate_names
 from sheetmorph.fabricate.nest import nest
 from sheetmorph.fabricate.options import PAPER_NAMES
 from sheetmorph.fabricate.print3d import PrintedPart, arrange, lay_on_bed
@@ -53,7 +53,8 @@ def make_contents(
     """Make every file of a package in memory.
 
     Raises:
-        InputError: the design cannot be cut with this kerf, or does not fit the stock.
+        InputError: the sheet cannot be cut with this kerf or does not fit the stock, or a part
+            cannot be glued on.
     """
     levels = levels_of(design)
     printed = [lay_on_bed(level, options.printer) for level in levels if level.part is not None]
@@ -69,7 +70,7 @@ def make_contents(
     files: dict[str, bytes] = {}
     _add_solids(design, printed, options.printer, files, told)
     on_event(Progress(0.3, "lines to cut"))
-    _add_drawings(design, options, files, told)
+    warnings += _add_drawings(design, options, files, told)
     on_event(Progress(0.6, "template"))
     for paper in options.papers:
         name = f"template-{paper}.pdf"
@@ -131,8 +132,7 @@ def _add_solids(
 ) -> None:
     if not printed:
         return
-    names = distinct([safe_name(part.name) for part in printed], taken=_plates(len(printed)))
-    for name, part in zip(names, printed, strict=True):
+    for name, part in zip(part_names(part.name for part in printed), printed, strict=True):
         what = f"{part.name}, {1e3 * part.thickness:g} mm"
         bodies = part.bodies()
         side = "upper" if part.level.face == "bottom" else "lower"
@@ -149,7 +149,7 @@ def _add_solids(
     if not writes_3mf():
         return
     beds = arrange(printed, profile)
-    for name, bed in zip(_plates(len(beds)), beds, strict=True):
+    for name, bed in zip(plate_names(len(beds)), beds, strict=True):
         bodies = tuple(body for part in bed for body in part.bodies())
         files[f"parts/{name}.3mf"] = bytes_3mf(
             bodies, _metadata(design, "all parts", f"Arranged on the bed of {profile.name}.")
@@ -161,14 +161,18 @@ def _add_solids(
 
 def _add_drawings(
     design: Design, options: FabricationOptions, files: dict[str, bytes], told: dict[str, str]
-) -> None:
+) -> list[str]:
+    """Add what is to be cut; what had to be left out comes back in sentences."""
+    left_out: list[str] = []
     _add(files, "cut/sheet", cut.sheet_inks(design, options.kerf), f"{design.name}: sheet")
     told["cut/sheet.dxf, .svg"] = "The sheet to cut: outline, holes, slits, each on its layer."
     if design.inert_parts:
-        _add(files, "cut/pattern", cut.pattern_inks(design, options.kerf), f"{design.name}: parts")
-        told["cut/pattern.dxf, .svg"] = (
-            "The parts seen from above, a layer each, to cut instead of print."
-        )
+        inks, left_out = cut.pattern_inks(design, options.kerf)
+        if inks:
+            _add(files, "cut/pattern", inks, f"{design.name}: parts")
+            told["cut/pattern.dxf, .svg"] = (
+                "The parts seen from above, a layer each, to cut instead of print."
+            )
     if options.stock is not None:
         drawings = _nested(design, options, options.stock)
         for number, inks in enumerate(drawings, 1):
@@ -176,6 +180,7 @@ def _add_drawings(
             _add(files, f"cut/{name}", inks, f"{design.name}: stock {number} of {len(drawings)}")
         more = f" on {len(drawings)} sheets of stock" if len(drawings) > 1 else ""
         told["cut/nest*.dxf, .svg"] = f"{options.copies} × the sheet, nested{more}."
+    return left_out
 
 
 def _nested(
@@ -206,10 +211,6 @@ def _add(files: dict[str, bytes], name: str, inks: Sequence[Ink], title: str) ->
 
     files[f"{name}.dxf"] = dxf_bytes(inks)
     files[f"{name}.svg"] = svg_bytes(inks, margin=MARGIN, title=title)
-
-
-def _plates(count: int) -> list[str]:
-    return ["plate"] if count == 1 else [f"plate-{number}" for number in range(1, count + 1)]
 
 
 def _metadata(design: Design, what: str, note: str) -> dict[str, str]:

@@ -86,24 +86,30 @@ def sheet_inks(design: Design, kerf: float) -> list[Ink]:
     return [*inks, Ink(MARKS, (marks_around(design),), COLOURS[MARKS])]
 
 
-def pattern_inks(design: Design, kerf: float) -> list[Ink]:
+def pattern_inks(design: Design, kerf: float) -> tuple[list[Ink], list[str]]:
     """The parts of the pattern, a layer each, seen from above; with the marks of the sheet.
 
-    Raises:
-        InputError: as for `cut_region`.
+    Returns:
+        The drawing, empty if it would hold no part; and in sentences the parts that cannot be
+        cut with this kerf: they are left out, for they can still be printed.
     """
     from sheetmorph.drawing.ink import Ink
 
     layers = pattern_layers(design)
-    inks = [
-        Ink(
-            layers[part],
-            (cut_region(region, kerf, f"the part {part}"),),
-            _PART_COLOURS[index % len(_PART_COLOURS)],
-        )
-        for index, (part, region) in enumerate(design.layout.parts.items())
-    ]
-    return [*inks, Ink(MARKS, (marks_around(design),), COLOURS[MARKS])]
+    inks, left_out = [], []
+    for index, (part, region) in enumerate(design.layout.parts.items()):
+        try:
+            contours = cut_region(region, kerf, f"the part {part}")
+        except InputError as error:
+            left_out.append(
+                f"cut/pattern leaves out the part {part}: {error.message}. To print the part, "
+                "this does not matter."
+            )
+            continue
+        inks.append(Ink(layers[part], (contours,), _PART_COLOURS[index % len(_PART_COLOURS)]))
+    if inks:
+        inks.append(Ink(MARKS, (marks_around(design),), COLOURS[MARKS]))
+    return inks, left_out
 
 
 def pattern_layers(design: Design) -> dict[str, str]:

@@ -7,6 +7,9 @@ import unicodedata
 from collections.abc import Iterable
 
 MAX_LENGTH = 60
+PLATE = re.compile(r"plate(-\d+)?", re.IGNORECASE)
+"""Names that files of several parts on one bed can have."""
+
 _RESERVED = re.compile(r"(con|prn|aux|nul|com\d|lpt\d)", re.IGNORECASE)
 
 
@@ -20,6 +23,17 @@ def safe_name(text: str, fallback: str = "part") -> str:
     if not name:
         return fallback
     return f"{name}-" if _RESERVED.fullmatch(name) else name
+
+
+def part_names(layers: Iterable[str]) -> list[str]:
+    """For each layer the name of its file, which no other and no plate has."""
+    names = [safe_name(layer) for layer in layers]
+    return distinct([f"{name}-part" if PLATE.fullmatch(name) else name for name in names])
+
+
+def plate_names(count: int) -> list[str]:
+    """Names of the files for so many beds."""
+    return ["plate"] if count == 1 else [f"plate-{number}" for number in range(1, count + 1)]
 
 
 def distinct(names: Iterable[str], taken: Iterable[str] = ()) -> list[str]:

@@ -91,8 +91,9 @@ class Prediction:
         width: extent of the final shape along x [m].
         depth: extent along y [m].
         height: extent along z [m].
-        aspect_ratio: height over width, h/d.
-        status: how the computation ended, such as "completed".
+        aspect_ratio: height over the largest width in any direction, h/d.
+        status: how the computation ended; the sizes and the picture are shown only when this
+            is "completed".
         stable: True when the shape is a stable equilibrium.
         picture_png: the shape as a PNG file, or None.
         note: a line for the reader; may be empty.

@@ -92,13 +92,6 @@ def oven_setting(design: Design) -> OvenSetting:
     )
 
 
-def temperature_for(curve: ShrinkCurve, eps_pre: float) -> float | None:
-    """The lowest temperature [K] at which a free sheet has a strain; None when it never has."""
-    low, high = _range(curve)
-    ratio = 1.0 + eps_pre
-    return _lowest_temperature(curve, ratio) if low <= ratio <= high else None
-
-
 def cure_mass(area: float) -> float:
     """Mass [kg] whose weight on an area [m²] makes the paper's pressure."""
     return CURE_PRESSURE * area / STANDARD_GRAVITY

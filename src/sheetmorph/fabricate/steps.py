@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING
 
 from sheetmorph.fabricate import oven
 from sheetmorph.fabricate.cut import HOLES, SHEET, SLITS, describe_kerf
-from sheetmorph.fabricate.solid_files import writes_3mf
-from sheetmorph.fabricate.stack import Level, glued_area
+from sheetmorph.fabricate.names import PLATE
+from sheetmorph.fabricate.stack import Level, bonded_first, glued_area
 
 if TYPE_CHECKING:
     from sheetmorph.design.spec import Design
@@ -39,6 +39,10 @@ SAFETY = (
 )
 
 
+_NAMED = 3
+"""So many files of parts are named; more are "the parts"."""
+
+
 @dataclass(frozen=True)
 class Step:
     """One step: a title, and sentences in order."""
@@ -53,18 +57,21 @@ def all_steps(
     printed: Sequence[PrintedPart],
     options: FabricationOptions,
     setting: OvenSetting,
+    files: Sequence[str] = (),
 ) -> tuple[Step, ...]:
-    """The steps in order; those without anything to do are left out."""
-    found = [_cut(design, levels, options)]
+    """The steps in order, with the names of the files; those with nothing to do are left out."""
+    found = [_cut(design, levels, options, files)]
     if printed:
-        found.append(_print(printed, options))
+        found.append(_print(printed, options, files))
     if len(levels) > 1:
         found += [_glue(levels), _cure(design, levels)]
     found += [_heat(levels, setting), _take_out()]
     return tuple(found)
 
 
-def _cut(design: Design, levels: tuple[Level, ...], options: FabricationOptions) -> Step:
+def _cut(
+    design: Design, levels: tuple[Level, ...], options: FabricationOptions, files: Sequence[str]
+) -> Step:
     films = [level for level in levels if level.part is None]
     names = ", ".join(f"{level.layer.name} ({_mm(level.layer.thickness)})" for level in films)
     lines = [
@@ -76,6 +83,9 @@ def _cut(design: Design, levels: tuple[Level, ...], options: FabricationOptions)
         (
             "The crosses on the layer MARKS stand in the waste beside the sheet and coincide with "
             "those of cut/pattern: use them to lay drawings upon each other; do not cut them."
+            if any(name.startswith("cut/pattern") for name in files)
+            else "The crosses on the layer MARKS stand in the waste beside the sheet: do not cut "
+            "them."
         ),
         "By hand: print a template in true size, lay the film over it, cut along the dark line.",
     ]
@@ -95,69 +105,103 @@ def _cut_order(design: Design) -> str:
     holes = [HOLES] if design.outline_polygon().interiors else []
     if not slits and not holes:
         return f"Cut its layer {SHEET}."
-    return f"Cut its layers in this order: {_join([*slits, *holes, SHEET], ', then ')}."
+    return f"Cut its layers in this order: {joined([*slits, *holes, SHEET], ', then ')}."
 
 
-def _print(printed: Sequence[PrintedPart], options: FabricationOptions) -> Step:
-    what = (
-        "parts/plate.3mf (all parts arranged; more plates where one is not enough) or the parts"
-        if writes_3mf()
-        else "the parts (STL files, in millimetres)"
-    )
+def _print(
+    printed: Sequence[PrintedPart], options: FabricationOptions, files: Sequence[str]
+) -> Step:
     lines = [
         (
-            f"Print {what} one by one, in the orientation of the files: the face on the bed is the "
-            f"one to be glued. Checked against {options.printer.name}, "
+            f"Print {_what_to_print(files)}, in the orientation of the files: the face on the bed "
+            f"is the one to be glued. Checked against {options.printer.name}, "
             f"{1e3 * options.printer.bed_width:g} × {1e3 * options.printer.bed_depth:g} mm."
         ),
         "Do not mirror anything in the slicer. The paper used PLA on a fused deposition printer.",
     ]
+    large = [part.name for part in printed if not part.fits]
+    if large:
+        lines.append(
+            f"{joined(large)} {'is' if len(large) == 1 else 'are'} larger than that bed, however "
+            "turned: split them in the design, or choose a larger printer."
+        )
     if options.copies > 1:
         lines.append(f"The files hold the parts of one sheet: print them {options.copies} times.")
     below = [part.name for part in printed if part.level.face == "bottom"]
     if below:
         lines.append(
-            f"{_join(below)} {'goes' if len(below) == 1 else 'go'} on the underside and "
+            f"{joined(below)} {'goes' if len(below) == 1 else 'go'} on the underside and "
             f"{'lies' if len(below) == 1 else 'lie'} on the bed mirrored, as seen on the pages of "
             "the template that begin with U."
         )
     return Step("Print the parts", tuple(lines))
 
 
+def _what_to_print(files: Sequence[str]) -> str:
+    """The files that were written, by name."""
+    solid = [name for name in files if name.startswith("parts/")]
+    found = [name for name in solid if name.endswith(".3mf")] or solid
+    plates = [name for name in found if PLATE.fullmatch(name.split("/")[1].rpartition(".")[0])]
+    single = [name for name in found if name not in plates]
+    alone = joined(single) if 0 < len(single) <= _NAMED else "the parts one by one"
+    if plates:
+        return f"{joined(plates)} (parts arranged on the bed), or {alone}"
+    return f"{alone} (in millimetres)" if found and found[0].endswith(".stl") else alone
+
+
 def _glue(levels: tuple[Level, ...]) -> Step:
+    first = bonded_first(levels)
+    where = " on the parts alone" if len(first) < len(levels) else ""
     lines = [
         (
             "Roughen lightly and degrease both faces. Mix two-part epoxy (the paper: Gorilla) and "
-            "spread a thin, uniform layer on the parts alone, no thicker than "
+            f"spread a thin, uniform layer{where}, no thicker than "
             f"{1e3 * oven.ADHESIVE_THICKNESS:g} mm once cured; wipe off what squeezes out, for "
             "glue on the free film holds it back."
         ),
     ]
-    films = [level.layer.name for level in levels if level.face == "film"]
-    if len(films) > 1:
-        lines.append(f"First bond the films upon each other, from below: {_join(films, ', ')}.")
+    if len(first) > 1:
+        lines.append(
+            "First bond the whole sheets upon each other, from below, with glue all over: "
+            f"{joined([level.layer.name for level in first], ', then ')}."
+        )
     for face in ("top", "bottom"):
-        names = [level.layer.name for level in levels if level.face == face]
-        if not names:
+        outer = [level for level in levels if level.face == face and level not in first]
+        if not outer:
             continue
-        ordered = names if face == "top" else names[::-1]
-        if face == "top":
-            lines.append(
-                f"Top face: lay the film on the template, the outlines matched, and set "
-                f"{_join(ordered, ' then ')} on the shaded places, the face from the bed downward."
-            )
-        else:
-            lines.append(
-                "Underside: turn the sheet over like a page, left to right, lay it on the pages "
-                f"of the template that begin with U, and set {_join(ordered, ' then ')} on the "
-                "shaded places, the face from the bed downward."
-            )
+        outward = outer if face == "top" else outer[::-1]
+        place = (
+            "Top face: lay the sheet on the template, the outlines matched, and "
+            if face == "top"
+            else "Underside: turn the sheet over like a page, left to right, lay it on the pages "
+            "of the template that begin with U, and "
+        )
+        lines.append(f"{place}{joined([_set(level) for level in outward], ', then ')}.")
     return Step("Glue", tuple(lines))
+
+
+def _set(level: Level) -> str:
+    """What to do with one layer on a face of the sheet."""
+    on = joined(level.on)
+    if level.part is None:
+        return f"lay {level.layer.name}, a whole sheet, over all of it, glued to {on} alone"
+    return f"set {level.layer.name} on its shaded places, on {on}, the face from the bed downward"
 
 
 def _cure(design: Design, levels: tuple[Level, ...]) -> Step:
     sheet = float(design.outline_polygon().area)
-    glued = max(glued_area(levels, "top"), glued_area(levels, "bottom"))
+    glued = glued_area(levels)
+    weight = (
+        f"The paper's {oven.CURE_PRESSURE:g} N/m² is {oven.cure_mass(glued):.2g} kg on the glued "
+        f"area of this sheet, {1e4 * glued:.1f} cm²"
+    )
+    if glued < 0.999 * sheet:
+        weight += (
+            f". (Taken over the whole sheet, {1e4 * sheet:.1f} cm², it would be "
+            f"{oven.cure_mass(sheet):.2g} kg; the paper does not say which.)"
+        )
+    else:
+        weight += ", which is all of it."
     return Step(
         "Cure",
         (
@@ -165,12 +209,7 @@ def _cure(design: Design, levels: tuple[Level, ...]) -> Step:
                 f"Leave it under a flat, evenly distributed weight for {oven.CURE_HOURS:g} hours "
                 "or more at room temperature, between non-stick foil."
             ),
-            (
-                f"The paper's {oven.CURE_PRESSURE:g} N/m² is {oven.cure_mass(glued):.2g} kg on the "
-                f"glued area of this sheet, {1e4 * glued:.1f} cm². (Taken over the whole sheet, "
-                f"{1e4 * sheet:.1f} cm², it would be {oven.cure_mass(sheet):.2g} kg; the paper "
-                "does not say which.)"
-            ),
+            weight,
         ),
     )
 
@@ -237,7 +276,8 @@ def _take_out() -> Step:
     )
 
 
-def _join(names: Sequence[str], word: str = " and ") -> str:
+def joined(names: Sequence[str], word: str = " and ") -> str:
+    """Names in a sentence, the last after `word`."""
     return names[0] if len(names) == 1 else ", ".join(names[:-1]) + word + names[-1]
 
 

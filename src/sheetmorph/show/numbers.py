@@ -48,7 +48,7 @@ _TABLES: tuple[tuple[str, tuple[tuple[str, str, float, str], ...]], ...] = (
             ("Extent along x", "bbox_m.0", 1e3, "mm"),
             ("Extent along y", "bbox_m.1", 1e3, "mm"),
             ("Extent along z", "bbox_m.2", 1e3, "mm"),
-            ("Height over width, h/d", "aspect_ratio", 1.0, ""),
+            ("Height over largest width, h/d", "aspect_ratio", 1.0, ""),
             ("Actuation eps_pre", "eps_pre", 1.0, ""),
             ("Fraction of it reached", "actuation_reached", 1.0, ""),
         ),
