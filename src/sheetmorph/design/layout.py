@@ -171,7 +171,8 @@ def _check_place(
     import shapely
 
     if not region.intersects(sheet) or region.intersection(sheet).area < 1e-12:
-        raise problem("lies outside the sheet", key=key)
+        at = region.representative_point()
+        raise problem(f"lies outside the sheet, near {place(at.x, at.y)}", key=key)
     if not clip and not grown.covers(region):
         excess = shapely.hausdorff_distance(shapely.union(region, sheet), sheet)
         raise problem(
