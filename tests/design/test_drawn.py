@@ -122,3 +122,21 @@ def test_roles_that_are_not_found_are_asked_for(tmp_path):
         design_text(file, "odd", None, None, None)
     text = design_text(file, "odd", "A", "B", None)
     assert sm.Design.from_toml(text, tmp_path).pattern_polygon().area == pytest.approx(320e-6)
+
+
+def test_slits_drawn_short_of_the_rim_are_joined_within_the_gap(tmp_path):
+    short = shapely.LineString([(0.0, 0.01), (0.0, 0.0199)])
+    file = tmp_path / "short.svg"
+    file.write_bytes(svg_bytes((*INKS[:2], Ink("SLITS", (short,)))))
+    text = design_text(file, "short")
+    with pytest.raises(InputError, match=r"outline\.slits: .*close to another line"):
+        sm.Design.from_toml(text, tmp_path).build_mesh()
+    text = design_text(file, "short", gap=2e-4)
+    design = sm.Design.from_toml(text, tmp_path)
+    assert design.layout.slits.length == pytest.approx(0.01)
+    assert any("0.1 mm short of the edge" in note for note in design.notes)
+    mesh = design.build_mesh()
+    alone = sm.Design.from_toml(design.to_portable_toml())
+    assert alone.layout.slits.hausdorff_distance(design.layout.slits) < 1e-15
+    on_rim = np.isclose(mesh.nodes[:, 1], 0.02, atol=1e-9) & np.isclose(mesh.nodes[:, 0], 0.0)
+    assert on_rim.sum() == 2

@@ -75,9 +75,12 @@ def lay_out(outline: OutlineShape, pattern: Iterable[Piece]) -> Layout:
 
     with _below("outline"):
         sheet = outline.sheet()
-        slits, notes = _within(outline.cuts(), sheet)
     low_x, low_y, high_x, high_y = sheet.bounds
     reach = EDGE_TOLERANCE * math.hypot(high_x - low_x, high_y - low_y)
+    with _below("outline"):
+        slits, notes = _to_the_rim(outline.cuts(), sheet, max(reach, outline.joins()))
+        slits, more = _within(slits, sheet)
+        notes += more
     grown = sheet.buffer(reach, join_style="mitre")
     shapely.prepare(grown)
     drawn: dict[str, BaseGeometry] = {}
@@ -121,6 +124,30 @@ def polygons(shape: BaseGeometry) -> MultiPolygon:
     return shapely.MultiPolygon(
         [part for part in parts if isinstance(part, shapely.Polygon) and part.area > 0]
     )
+
+
+def _to_the_rim(
+    slits: MultiLineString, sheet: Polygon, reach: float
+) -> tuple[MultiLineString, list[str]]:
+    """The slits with ends that fall short of the rim by no more than `reach` [m] moved onto it."""
+    import shapely
+
+    rim, lines, notes = sheet.boundary, [], []
+    for line in slits.geoms:
+        points = list(line.coords)
+        for end in (0, -1) if points[0] != points[-1] else ():
+            tip = shapely.Point(points[end])
+            short = rim.distance(tip)
+            if 0.0 < short <= reach and sheet.contains(tip):
+                foot = rim.interpolate(rim.project(tip))
+                points[end] = (foot.x, foot.y)
+                if short > NOTED:
+                    notes.append(
+                        f"outline.slits: an end {1e3 * short:.3g} mm short of the edge of the "
+                        f"sheet is drawn to it, near {place(foot.x, foot.y)}"
+                    )
+        lines.append(points)
+    return shapely.MultiLineString(lines), notes
 
 
 def _within(slits: MultiLineString, sheet: Polygon) -> tuple[MultiLineString, list[str]]:

@@ -143,6 +143,10 @@ class OutlineShape(shapes.Shape):
             outline = rest
         return outline
 
+    def joins(self) -> float:
+        """Ends of slits closer to the rim than this are drawn to it [m]."""
+        return 0.0
+
     def cuts(self) -> MultiLineString:
         """The slits [m]; empty without any."""
         import shapely
@@ -196,6 +200,10 @@ class DrawingOutline(OutlineShape, drawn.Drawing):
 
         cuts: bytes = shapely.to_wkb(self.cuts(), byte_order=1)
         return super().wkb() + cuts
+
+    def joins(self) -> float:
+        """Ends of slits closer to the rim than this are drawn to it [m]: the drawing's gap."""
+        return self.gap
 
     def cuts(self) -> MultiLineString:
         """The slits of the drawing and those of the design file [m]."""

@@ -36,7 +36,7 @@ def portable_text(design: Design) -> str:
         if shape is design.outline:
             table["kind"] = "polygon"
             table["points"], table["holes"] = polygons[0][0], polygons[0][1:]
-            table["slits"] = [_points(slit) for slit in design.outline.cuts().geoms]
+            table["slits"] = [_points(slit) for slit in design.layout.slits.geoms]
         else:
             table["kind"] = "polygons"
             table["polygons"] = polygons
