@@ -47,13 +47,13 @@ def main(arguments: list[str] | None = None) -> int:
     except SheetmorphError as error:
         return _fail(str(error), error.exit_code)
     except click.exceptions.Abort as error:
-        return _fail(str(error) or "interrupted; add --resume to go on", 130)
+        return _fail(str(error) or "interrupted", 130)
     except click.ClickException as error:
         context = getattr(error, "ctx", None)
         help_of = context.command_path if context is not None else "sheetmorph"
         return _fail(f"{error.format_message()} (see {help_of} --help)", 2)
     except KeyboardInterrupt:
-        return _fail("interrupted; add --resume to go on", 130)
+        return _fail("interrupted", 130)
     except MemoryError:
         return _fail("out of memory; use a larger mesh.size", 1)
     except BrokenPipeError:

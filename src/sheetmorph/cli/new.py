@@ -22,7 +22,7 @@ PRESETS = ("bowl", "canoe", "petals", "kirigami", "blank")
 @click.option(
     "--drawing",
     type=click.Path(path_type=Path),
-    help="Start from a drawing instead: .dxf, .svg, .stl or .3mf.",
+    help="Start from a drawing instead: .dxf, .svg or .3mf.",
 )
 @click.option("--sheet", metavar="LAYER", help="Its layer, id or colour of the sheet [SHEET].")
 @click.option("--pattern", metavar="LAYER", help="That of the pattern [PATTERN].")

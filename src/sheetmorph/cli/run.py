@@ -56,9 +56,12 @@ def run(
     with ProgressBar(silent) as listener, naming(file):
         from sheetmorph.show.outputs import run_design
 
-        result, notes = run_design(
-            design, folder, resume=resume, force=force, on_event=listener, started=STARTED
-        )
+        try:
+            result, notes = run_design(
+                design, folder, resume=resume, force=force, on_event=listener, started=STARTED
+            )
+        except KeyboardInterrupt:
+            raise click.exceptions.Abort("interrupted; add --resume to go on") from None
     if as_json:
         click.echo(json.dumps(result.summary, indent=2, ensure_ascii=False))
     elif not quiet:
