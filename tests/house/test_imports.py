@@ -16,10 +16,15 @@ MAY_IMPORT: dict[str, set[str]] = {
     "design": {"core", "geometry", "drawing"},
     "energy": {"core", "geometry"},
     "solve": {"core"},
-    "study": {"core", "geometry", "design", "energy", "solve"},
-    "show": {"core", "geometry", "design", "study"},
+    "compare": {"core", "geometry"},
+    "measure": {"core", "geometry"},
+    "study": {"core", "geometry", "compare", "measure", "design", "energy", "solve"},
+    "show": {"core", "geometry", "compare", "measure", "design", "study"},
     "fabricate": {"core", "geometry", "drawing", "design"},
-    "cli": {"core", "geometry", "design", "energy", "solve", "study", "show", "fabricate"},
+    "cli": {
+        *("core", "geometry", "compare", "measure", "design", "energy", "solve", "study"),
+        *("show", "fabricate"),
+    },
 }
 PLOTTING = {"matplotlib", "vtkmodules", "vtk", "PIL", "jinja2", "rich", "click"}
 MAY_PLOT = {"show", "cli"}

@@ -1,0 +1,1 @@
+"""Surfaces against each other: scans, alignment, distances, structural similarity."""
