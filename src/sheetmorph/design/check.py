@@ -60,6 +60,7 @@ def describe(design: Design, mesh: SheetMesh | None = None) -> dict[str, Any]:
         "mass": total_mass(mesh, region),
         "actuation": {
             "eps_pre": design.eps_pre,
+            "eps_pre_scatter": design.eps_pre_scatter,
             "temperature": design.actuation.temperature,
             "greatest_distance": (
                 edge_distance(design, mesh, region)[1] if design.pattern else None
@@ -127,6 +128,8 @@ def format_description(report: dict[str, Any]) -> str:
         lines.append(_row("", neutral))
     heat, reach = actuation["temperature"], actuation["greatest_distance"]
     at = "" if heat is None else f" at {heat - 273.15:.4g} °C"
+    scatter = actuation["eps_pre_scatter"]
+    at = at if scatter is None else f" ± {scatter:.2g}{at}"
     far = "everywhere" if reach is None else f"reached {_mm(reach)} from the pattern"
     held = support["held_nodes"]
     holds = f"{held} nodes held" if held else "free sheet, rigid motions removed"

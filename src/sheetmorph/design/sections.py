@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Literal, Self
+from typing import Annotated, Any, Literal, Self
 
 from pydantic import Field, model_validator
 
+from sheetmorph.core.errors import InputError
 from sheetmorph.design.fields import (
     Flag,
     Interval,
@@ -16,6 +17,7 @@ from sheetmorph.design.fields import (
     Whole,
     problem,
 )
+from sheetmorph.design.materials import layer_values
 
 FileName = Annotated[str, Field(min_length=1, max_length=200)]
 EVERYWHERE = "everywhere"
@@ -31,6 +33,8 @@ class Layer(Section):
         role: "active" layers shrink or swell when actuated, "inert" ones do not.
         where: "everywhere", or the name of a part of the pattern, such as "pattern".
         thickness: [m].
+        material: name in the library of materials, which then gives the keys from here on
+            that the design leaves out; None for none.
         young_modulus: at the temperature of actuation [Pa].
         density: [kg/m³].
     """
@@ -38,10 +42,35 @@ class Layer(Section):
     name: Annotated[str, Field(min_length=1, max_length=60, pattern=r"^[^\x00-\x1f\x7f]+$")]
     role: Literal["active", "inert"]
     thickness: Annotated[float, Quantity("length", "1 um", "10 cm")]
+    # Not dumped: the content of a design is the values, wherever they come from.
+    material: Annotated[
+        Annotated[str, Field(min_length=1, max_length=60)] | None, Field(exclude=True)
+    ] = None
     young_modulus: Annotated[float, Quantity("pressure", "0 Pa", "10000 GPa", above=True)]
     poisson_ratio: Annotated[Number, Field(ge=0, lt=0.5)] = 0.33
     density: Annotated[float, Quantity("density", "0.1 kg/m^3", "30000 kg/m^3")] = 1000.0
     where: Annotated[str, Field(min_length=1, max_length=60)] = EVERYWHERE
+
+    @model_validator(mode="before")
+    @classmethod
+    def _of_material(cls, data: Any) -> Any:
+        if not isinstance(data, dict):
+            return data
+        name = data.get("material")
+        if isinstance(name, str) and name:
+            try:
+                return {**layer_values(name), **data}
+            except InputError as error:
+                raise problem(
+                    error.message, key="material", value=name, allowed=error.allowed
+                ) from None
+        if "young_modulus" not in data and all(key in cls.model_fields for key in data):
+            raise problem(
+                "is required, unless a material gives it",
+                key="young_modulus",
+                allowed='such as "2.7 MPa", or material = "PLA"',
+            )
+        return data
 
 
 class Actuation(Section):

@@ -2,7 +2,9 @@
 
 A curve file has a header line of two column titles and one row per point. The titles are
 `temperature [degC], L/L0` (any unit of temperature in the brackets), or `T/Tg, L/L0` with a
-comment line `# Tg = 366.5 K` above. Lines that begin with `#` are comments.
+comment line `# Tg = 366.5 K` above; a third column `std` holds the scatter of L/L0. Lines that
+begin with `#` are comments. A file with other columns, or with a temperature that is repeated,
+holds raw rows, to which a curve is fitted: see `sheetmorph.design.shrink_rows`.
 """
 
 from __future__ import annotations
@@ -15,6 +17,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from sheetmorph.core.columns import read_text
 from sheetmorph.core.errors import InputError
 from sheetmorph.core.units import format_si, to_si
 from sheetmorph.geometry.mesh import Floats
@@ -25,6 +28,7 @@ if TYPE_CHECKING:
 BUILT_IN = ("polystyrene",)
 MAX_ROWS = 100_000
 _HEADERS = '"temperature [degC], L/L0", or "T/Tg, L/L0" below a line "# Tg = 366.5 K"'
+_SCATTER = "std"
 
 
 @dataclass(frozen=True, eq=False)
@@ -35,11 +39,14 @@ class ShrinkCurve:
         name: for messages.
         temperatures: [K], increasing, shape (n,).
         length_ratios: L/L0, shape (n,).
+        scatter: standard deviation of L/L0 of single measurements, shape (n,), or None
+            where it is not known.
     """
 
     name: str
     temperatures: Floats
     length_ratios: Floats
+    scatter: Floats | None = None
 
     def length_ratio(self, temperature: float) -> float:
         """L/L0 at a temperature [K], by piecewise cubics that keep the data's monotony.
@@ -63,6 +70,12 @@ class ShrinkCurve:
         """Free strain L/L0 − 1 at a temperature [K]; negative is shrinkage."""
         return self.length_ratio(temperature) - 1.0
 
+    def eps_pre_scatter(self, temperature: float) -> float | None:
+        """Standard deviation of the free strain at a temperature [K], linear between points."""
+        if self.scatter is None:
+            return None
+        return float(np.interp(temperature, self.temperatures, self.scatter))
+
 
 def load_curve(design: Design) -> ShrinkCurve:
     """The shrink curve that a design names.
@@ -78,16 +91,28 @@ def load_curve(design: Design) -> ShrinkCurve:
             "is no shrink curve", key=key, value=name, allowed=f"{', '.join(BUILT_IN)}, or a .csv"
         )
     path = design.resolve_file(name, key)
-    if path.stat().st_size > 5_000_000:
-        raise InputError("the curve is too large", file=path, allowed="≤ 5 MB")
+    text = read_text(path)
     try:
-        text = path.read_text(encoding="utf-8-sig")
-    except (OSError, UnicodeDecodeError):
-        raise InputError("cannot be read as UTF-8 text", file=path) from None
-    try:
+        if holds_raw_rows(text):
+            from sheetmorph.design.shrink_fit import fit_shrinkage
+            from sheetmorph.design.shrink_rows import parse_shrinkage
+
+            return fit_shrinkage(parse_shrinkage(text, name)).curve
         return parse_curve(text, name)
     except InputError as error:
         raise error.located(path) from None
+
+
+def holds_raw_rows(text: str) -> bool:
+    """True for text of measured rows, to be fitted; False for that of a curve."""
+    lines = [line for line in text.splitlines() if line.strip() and line.lstrip()[0] != "#"]
+    titles = [title.strip().lower() for title in lines[0].split(",")] if lines else []
+    if titles[1:] == ["l/l0", _SCATTER]:
+        return False
+    if len(titles) != 2:
+        return len(titles) > 2
+    temperatures = [line.split(",")[0].strip() for line in lines[1:]]
+    return titles[1] == "l/l0" and len(set(temperatures)) < len(temperatures)
 
 
 @lru_cache(maxsize=8)
@@ -101,8 +126,8 @@ def parse_curve(text: str, name: str) -> ShrinkCurve:
     """Read a curve from the text of a CSV file.
 
     Raises:
-        InputError: no header, no numbers, temperatures that do not increase, or lengths
-            outside 0.05 to 3; the message names the line.
+        InputError: no header, no numbers, temperatures that do not increase, lengths
+            outside 0.05 to 3, or scatter outside 0 to 1; the message names the line.
     """
     glass = re.search(r"^#\s*Tg\s*=\s*(.{1,40})$", text, re.MULTILINE)
     lines = [
@@ -115,7 +140,8 @@ def parse_curve(text: str, name: str) -> ShrinkCurve:
     if len(lines) > MAX_ROWS:
         raise InputError("has too many rows", value=len(lines), allowed=f"≤ {MAX_ROWS}")
     scale = _temperature_reader(lines[0], None if glass is None else glass[1].strip())
-    rows = [_row(number, line) for number, line in lines[1:]]
+    wanted = len(lines[0][1].split(","))
+    rows = [_row(number, line, wanted) for number, line in lines[1:]]
     if len(rows) < 2:
         raise InputError("needs at least two points")
     temperatures = np.array([scale(row[0]) for row in rows])
@@ -133,7 +159,28 @@ def parse_curve(text: str, name: str) -> ShrinkCurve:
             value=float(ratios[index]),
             allowed="0.05 to 3",
         )
-    return ShrinkCurve(name, temperatures, ratios)
+    if wanted == 2:
+        return ShrinkCurve(name, temperatures, ratios)
+    scatter = np.array([row[2] for row in rows])
+    wrong = np.flatnonzero((scatter < 0.0) | (scatter > 1.0))
+    if len(wrong):
+        line = lines[int(wrong[0]) + 1][0]
+        raise InputError(f"line {line}: {_SCATTER} is out of range", allowed="0 to 1")
+    return ShrinkCurve(name, temperatures, ratios, scatter)
+
+
+def curve_text(curve: ShrinkCurve, remarks: tuple[str, ...] = ()) -> str:
+    """The text of a curve file; `parse_curve` reads the same curve back, to the last bit.
+
+    Args:
+        curve: the curve.
+        remarks: comments to write above it.
+    """
+    numbers = [curve.temperatures, curve.length_ratios]
+    numbers += [] if curve.scatter is None else [curve.scatter]
+    titles = ["temperature [K]", "L/L0", _SCATTER][: len(numbers)]
+    rows = [", ".join(repr(float(x)) for x in row) for row in zip(*numbers, strict=True)]
+    return "\n".join([*(f"# {text}" for text in remarks), ", ".join(titles), *rows, ""])
 
 
 class _Reader:
@@ -150,7 +197,8 @@ def _temperature_reader(header: tuple[int, str], glass: str | None) -> _Reader:
     number, line = header
     titles = [title.strip().lower() for title in line.split(",")]
     unit = re.fullmatch(r"temperature\s*\[\s*([^\]]{1,20}?)\s*\]", line.split(",")[0].strip(), re.I)
-    if len(titles) != 2 or titles[1] != "l/l0" or not (unit or titles[0] == "t/tg"):
+    lengths = titles[1:] in (["l/l0"], ["l/l0", _SCATTER])
+    if not lengths or not (unit or titles[0] == "t/tg"):
         raise InputError(f"line {number}: the header is not known", value=line, allowed=_HEADERS)
     try:
         if unit:
@@ -163,11 +211,14 @@ def _temperature_reader(header: tuple[int, str], glass: str | None) -> _Reader:
         raise InputError(f"line {number}: {error}") from None
 
 
-def _row(number: int, line: str) -> tuple[float, float]:
+def _row(number: int, line: str, wanted: int) -> tuple[float, ...]:
+    words = {2: "two", 3: "three"}[wanted]
     try:
-        first, second = (float(cell) for cell in line.split(","))
+        row = tuple(float(cell) for cell in line.split(","))
     except ValueError:
-        raise InputError(f"line {number}: write two numbers with a comma", value=line) from None
-    if not (np.isfinite(first) and np.isfinite(second)):
+        row = ()
+    if len(row) != wanted:
+        raise InputError(f"line {number}: write {words} numbers with a comma", value=line)
+    if not np.isfinite(row).all():
         raise InputError(f"line {number}: not a finite number", value=line)
-    return first, second
+    return row

@@ -24,6 +24,7 @@ if TYPE_CHECKING:
 
     from sheetmorph.design import outlines, sections
     from sheetmorph.design.layout import InertPart, Layout
+    from sheetmorph.design.shrinkage import ShrinkCurve
     from sheetmorph.geometry.mesh import SheetMesh
     from sheetmorph.geometry.symmetry import Symmetry
 
@@ -204,10 +205,26 @@ class Design:
         """
         if self.actuation.eps_pre is not None:
             return self.actuation.eps_pre
+        assert self.actuation.temperature is not None  # noqa: S101  the schema wants one of the two
+        return self._curve.eps_pre(self.actuation.temperature)
+
+    @property
+    def eps_pre_scatter(self) -> float | None:
+        """Standard deviation of `eps_pre` by the scatter of the shrink curve's measurements.
+
+        None where the design gives `eps_pre` itself, or the curve has no scatter.
+
+        Raises:
+            InputError: the curve's file is not usable.
+        """
+        heat = self.actuation.temperature
+        return None if heat is None else self._curve.eps_pre_scatter(heat)
+
+    @cached_property
+    def _curve(self) -> ShrinkCurve:
         from sheetmorph.design.shrinkage import load_curve
 
-        assert self.actuation.temperature is not None  # noqa: S101  the schema wants one of the two
-        return load_curve(self).eps_pre(self.actuation.temperature)
+        return load_curve(self)
 
     @property
     def layout(self) -> Layout:
