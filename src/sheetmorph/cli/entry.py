@@ -8,7 +8,9 @@ import click
 
 from sheetmorph import __version__
 from sheetmorph.cli.check import check
+from sheetmorph.cli.compare import compare
 from sheetmorph.cli.fabricate import fabricate
+from sheetmorph.cli.material import material
 from sheetmorph.cli.new import new
 from sheetmorph.cli.run import run
 from sheetmorph.core.errors import SheetmorphError
@@ -25,10 +27,11 @@ def cli() -> None:
       sheetmorph check bowl.toml            see what would be computed
       sheetmorph run bowl.toml -o bowl      compute it, with pictures and a report
       sheetmorph fabricate bowl.toml        write the files to print, cut and glue it
+      sheetmorph compare bowl scan.stl      measure it against a scan of the real thing
     """
 
 
-for _command in (new, check, run, fabricate):
+for _command in (new, check, run, compare, fabricate, material):
     cli.add_command(_command)
 
 

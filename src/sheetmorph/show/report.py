@@ -79,7 +79,7 @@ def render(result: Result, folder: Path, *, notes: Sequence[str] = (), renderer:
     )
     design, summary = result.design, result.summary
     shown = [
-        _picture(folder / pictures.FOLDER / name, caption, wide, design.name)
+        picture_of(folder / pictures.FOLDER / name, caption, wide, design.name)
         for name, (caption, wide) in _CAPTIONS.items()
         if (folder / pictures.FOLDER / name).is_file()
     ]
@@ -101,7 +101,12 @@ def render(result: Result, folder: Path, *, notes: Sequence[str] = (), renderer:
     )
 
 
-def _picture(path: Path, caption: str, wide: bool, name: str) -> dict[str, Any]:
+def picture_of(path: Path, caption: str, wide: bool, name: str) -> dict[str, Any]:
+    """A picture as a template wants it: data, size, words, whether it takes the whole width.
+
+    Raises:
+        InputError: it cannot be read.
+    """
     width, height = _size(path)
     return {
         "data": _data_uri(path),
@@ -122,7 +127,7 @@ def _film(result: Result, folder: Path) -> dict[str, Any] | None:
         f"From flat to the last state; smooth frames between {len(result.positions)} "
         "computed states."
     )
-    return _picture(path, caption, True, result.design.name) | {
+    return picture_of(path, caption, True, result.design.name) | {
         "still": _data_uri(still) if still.is_file() else None
     }
 

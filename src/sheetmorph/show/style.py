@@ -29,6 +29,9 @@ UNDER_FILM = (226, 215, 190)
 BOTTOM = (136, 84, 160)
 BALANCED = (38, 140, 118)
 """Colours of the plan: film, pattern above it, below it, and on both faces; paler from below."""
+SHAPE = (31, 111, 168)
+SCAN = (235, 142, 44)
+"""Colours of what was computed and what was measured; told apart by the colour-blind too."""
 
 ANGLE_MAP = "viridis"
 STRAIN_MAP = "RdBu_r"

@@ -1,0 +1,156 @@
+"""The pose with the least squared distance both ways, found downhill from a given one."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from sheetmorph.compare.pose import Similarity
+from sheetmorph.compare.surface import Samples, Surface
+from sheetmorph.geometry.mesh import Floats
+
+# Every point of a scan has to lie on the shape. The way back keeps the scan from shrinking
+# into a corner of the shape, but a scan may have holes, whose points are far from it.
+WAY_BACK = 0.5
+CONVERGED = 1e-7  # a step that moves no point by more than this share of the size ends it
+NO_GAIN = 1e-6  # and so does one that changes the sum of squares by less than this share
+
+
+@dataclass(frozen=True, eq=False)
+class Pair:
+    """Two surfaces with points spread over both.
+
+    Attributes:
+        scan: what is moved.
+        shape: what it is moved onto.
+        scan_samples: points of the scan.
+        shape_samples: points of the shape.
+        scale: held at this value when given.
+    """
+
+    scan: Surface
+    shape: Surface
+    scan_samples: Samples
+    shape_samples: Samples
+    scale: float | None
+
+    @classmethod
+    def of(
+        cls, scan: Surface, shape: Surface, count: int, scale: float | None, seed: int = 0
+    ) -> Pair:
+        """A pair with `count` points on each surface."""
+        return cls(scan, shape, scan.sample(count, seed), shape.sample(count, seed + 1), scale)
+
+
+@dataclass(frozen=True, eq=False)
+class Fit:
+    """A pose and what it leaves.
+
+    Attributes:
+        pose: scan to shape.
+        misfit: weighted root mean square distance both ways [m]; see `WAY_BACK`.
+        iterations: steps that were tried.
+    """
+
+    pose: Similarity
+    misfit: float
+    iterations: int
+
+
+@dataclass(frozen=True, eq=False)
+class _Rows:
+    """Residuals and their slopes in (stretch, turn, shift), weighted."""
+
+    cost: float
+    hessian: Floats
+    gradient: Floats
+    centre: Floats
+
+
+def refine(pair: Pair, start: Similarity, most: int = 60, gain: float = NO_GAIN) -> Fit:
+    """Gauss and Newton's method with Levenberg and Marquardt's damping, on the distances.
+
+    Args:
+        pair: the surfaces and their points.
+        start: where to begin; with `pair.scale` given, its scale is used as it is.
+        most: steps to try at most.
+        gain: share of the sum of squares that a step must change for another one.
+    """
+    pose, rows = start, _rows(pair, start)
+    damping, tried = 1e-3, 0
+    free = np.arange(7) if pair.scale is None else np.arange(1, 7)
+    while tried < most and rows.cost > 0.0:
+        tried += 1
+        hessian = rows.hessian[np.ix_(free, free)]
+        step = np.zeros(7)
+        # The stretch and turn are in units of the shape's size: one measure for all seven.
+        damped = hessian + damping * np.trace(hessian) / len(free) * np.eye(len(free))
+        step[free] = -np.linalg.lstsq(damped, rows.gradient[free], rcond=None)[0]
+        moved = _stepped(pose, step, rows.centre, pair.shape.size)
+        after = _rows(pair, moved)
+        small = np.abs(step).max() < CONVERGED * pair.shape.size
+        small = small or abs(after.cost - rows.cost) < gain * rows.cost
+        if after.cost <= rows.cost:
+            pose, rows, damping = moved, after, max(damping * 0.2, 1e-9)
+        else:
+            damping *= 5.0
+        if small:
+            break
+    return Fit(pose, float(np.sqrt(rows.cost / (1.0 + WAY_BACK))), tried)
+
+
+def _stepped(pose: Similarity, step: Floats, centre: Floats, size: float) -> Similarity:
+    """The pose stretched, turned and shifted about a centre; all of the step in metres."""
+    from scipy.spatial.transform import Rotation
+
+    turn = Rotation.from_rotvec(step[1:4] / size).as_matrix()
+    stretch = float(np.exp(np.clip(step[0] / size, -0.3, 0.3)))
+    shift = centre + step[4:] - stretch * (turn @ centre)
+    return Similarity(stretch, turn, shift).after(pose)
+
+
+def _rows(pair: Pair, pose: Similarity) -> _Rows:
+    """Normal equations of the distances at a pose."""
+    shape, scan, size = pair.shape, pair.scan, pair.shape.size
+    forth = pose.apply(pair.scan_samples.points)
+    centre = forth.mean(axis=0)
+    there = shape.nearest(forth)
+    cost, hessian, gradient = _normal_equations(
+        forth, forth - there.point, shape.normals[there.triangle], centre, size
+    )
+    back = pair.shape_samples.points
+    here = scan.nearest(pose.inverse().apply(back))
+    touched = pose.apply(here.point)
+    more = _normal_equations(
+        touched, touched - back, pose.turn(scan.normals[here.triangle]), centre, size
+    )
+    return _Rows(
+        cost + WAY_BACK * more[0],
+        hessian + WAY_BACK * more[1],
+        gradient + WAY_BACK * more[2],
+        centre,
+    )
+
+
+def _normal_equations(
+    moving: Floats, gap: Floats, normals: Floats, centre: Floats, size: float
+) -> tuple[float, Floats, Floats]:
+    """Mean squared length of the gaps, with its Gauss–Newton matrix and half its slope.
+
+    Off a plane the distance changes along the normal alone; off a rim it changes along the
+    gap and along what of the normal is square to it, but not along the rim. Both are the
+    exact second derivatives of half the squared distance to a plane and to a line.
+    """
+    length = np.linalg.norm(gap, axis=1)
+    apart = length > 1e-12 * size
+    along = np.where(apart[:, None], gap / np.where(apart, length, 1.0)[:, None], normals)
+    aside = normals - (normals * along).sum(axis=1)[:, None] * along
+    arm = (moving - centre) / size
+    slopes = []
+    for direction in (along, aside):
+        stretch = (arm * direction).sum(axis=1)[:, None]
+        slopes.append(np.hstack([stretch, np.cross(arm, direction), direction]))
+    count = len(moving)
+    hessian = (slopes[0].T @ slopes[0] + slopes[1].T @ slopes[1]) / count
+    return float(length @ length) / count, hessian, slopes[0].T @ length / count
