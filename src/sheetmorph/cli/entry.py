@@ -10,6 +10,7 @@ from sheetmorph import __version__
 from sheetmorph.cli.check import check
 from sheetmorph.cli.compare import compare
 from sheetmorph.cli.fabricate import fabricate
+from sheetmorph.cli.history import history
 from sheetmorph.cli.material import material
 from sheetmorph.cli.new import new
 from sheetmorph.cli.run import run
@@ -31,7 +32,7 @@ def cli() -> None:
     """
 
 
-for _command in (new, check, run, compare, fabricate, material):
+for _command in (new, check, run, compare, history, fabricate, material):
     cli.add_command(_command)
 
 

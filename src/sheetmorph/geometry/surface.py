@@ -15,7 +15,7 @@ from sheetmorph.core.errors import InputError
 from sheetmorph.geometry.mesh import Floats
 
 Indices = NDArray[np.integer]
-Width = Literal["feret_max", "feret_min", "x"]
+Width = Literal["feret_max", "feret_min", "x", "y", "side"]
 
 
 def edge_lengths(positions: ArrayLike, edges: Indices) -> Floats:
@@ -156,18 +156,34 @@ def bounding_box(positions: ArrayLike) -> Floats:
     return np.stack([x.min(axis=-2), x.max(axis=-2)], axis=-2)
 
 
-def aspect_ratio(positions: ArrayLike, width: Width = "feret_max") -> Floats:
+def aspect_ratio(positions: ArrayLike, width: Width = "feret_max", azimuth: float = 0.0) -> Floats:
     """Height over in-plane width, h/d, shape (...).
 
-    h is the peak-to-peak height along z. d is measured on the projection to the xy plane:
+    h is the peak-to-peak height along z, d the `in_plane_width`. NaN where the width is zero.
+
+    Raises:
+        InputError: `width` is none of these.
+    """
+    across = in_plane_width(positions, width, azimuth)
+    height = np.ptp(np.asarray(positions, dtype=np.float64)[..., 2], axis=-1)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        return np.asarray(np.where(across > 0.0, height / across, np.nan))
+
+
+def in_plane_width(
+    positions: ArrayLike, width: Width = "feret_max", azimuth: float = 0.0
+) -> Floats:
+    """The width d of the projection to the xy plane [m], shape (...).
 
     - "feret_max": largest caliper width, the largest distance between two nodes; no
       rotation about z changes it.
     - "feret_min": smallest caliper width, between the closest parallel lines that hold all
       nodes; no rotation about z changes it either.
-    - "x": extent along x, what a side view along y shows.
+    - "x": extent along x, what a side view along y shows; "y": extent along y.
+    - "side": extent across the view of a camera that looks from the side, see `side_view`.
 
-    NaN where the width is zero.
+    Args:
+        azimuth: direction of that camera [rad], for "side" alone.
 
     Raises:
         InputError: `width` is none of these.
@@ -177,15 +193,29 @@ def aspect_ratio(positions: ArrayLike, width: Width = "feret_max") -> Floats:
             "no such width", key="width", value=width, allowed=", ".join(get_args(Width))
         )
     x = np.asarray(positions, dtype=np.float64)
-    height = np.ptp(x[..., 2], axis=-1)
-    if width == "x":
-        across = np.asarray(np.ptp(x[..., 0], axis=-1))
-    else:
-        across = np.empty(x.shape[:-2])
-        for state in np.ndindex(across.shape):
-            across[state] = _caliper(x[state][:, :2], width == "feret_max")
-    with np.errstate(divide="ignore", invalid="ignore"):
-        return np.asarray(np.where(across > 0.0, height / across, np.nan))
+    if width == "side":
+        return np.asarray(side_view(x, azimuth)[..., 0])
+    if width in ("x", "y"):
+        return np.asarray(np.ptp(x[..., "xy".index(width)], axis=-1))
+    across = np.empty(x.shape[:-2])
+    for state in np.ndindex(across.shape):
+        across[state] = _caliper(x[state][:, :2], width == "feret_max")
+    return across
+
+
+def side_view(positions: ArrayLike, azimuth: float = 0.0, elevation: float = 0.0) -> Floats:
+    """Width and height of the shadow in a parallel view from the side [m], shape (..., 2).
+
+    Args:
+        azimuth: by how much the camera is turned about z [rad]; at 0 it looks along +y, with
+            x to the right, at π/2 along −x.
+        elevation: by how much it looks down [rad]; at 0 the height is that of the shape.
+    """
+    x = np.asarray(positions, dtype=np.float64)
+    right = x[..., 0] * np.cos(azimuth) + x[..., 1] * np.sin(azimuth)
+    away = x[..., 1] * np.cos(azimuth) - x[..., 0] * np.sin(azimuth)
+    up = x[..., 2] * np.cos(elevation) + away * np.sin(elevation)
+    return np.stack([np.ptp(right, axis=-1), np.ptp(up, axis=-1)], axis=-1)
 
 
 def _caliper(points: Floats, largest: bool) -> float:

@@ -184,3 +184,11 @@ class Result:
     def aspect_ratio(self) -> Floats:
         """h/d of every state, shape (S,): height over the largest in-plane width."""
         return np.asarray(surface.aspect_ratio(self.positions))
+
+    def aspect_ratios(self, width: surface.Width = "feret_max", azimuth: float = 0.0) -> Floats:
+        """h/d of every state for another width d, shape (S,); see `surface.in_plane_width`.
+
+        Raises:
+            InputError: there is no such width.
+        """
+        return np.asarray(surface.aspect_ratio(self.positions, width, azimuth))
