@@ -6,20 +6,18 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from sheetmorph.compare.fit import NO_GAIN, Fit, Pair, refine
+from sheetmorph.compare.fit import NO_GAIN, Fit, Pair, refine, without_holes
 from sheetmorph.compare.pose import Similarity
 from sheetmorph.compare.surface import Surface
 from sheetmorph.core.errors import InputError
 from sheetmorph.geometry.mesh import Floats
 
-STARTS = 192  # rotations that are tried, about 25 degrees apart
 # Steps of closest points, how many poses go on, and how far apart as a share of the radius.
 STAGES = ((3, 64, 0.08), (5, 32, 0.15), (8, 12, 0.3))
 COARSE_POINTS = 120
 TARGET_POINTS = 800
 FINE_POINTS = 600
 ROUGHLY = 1e-3  # gain at which the refinement with few points ends
-FINAL_POINTS = 4000
 CLOSE = 1.12  # refined poses within this factor of the best are refined to the end
 MOST = 4  # of those
 SAME = 0.08  # poses that differ by less than this share of the radius are the same
@@ -29,6 +27,34 @@ EXACT, SYMMETRIC = 0.003, 0.06
 MIRROR_GAIN = 0.95  # a mirrored scan wins only with less than this share of the misfit
 
 
+# What is easily taken for the right pose: the scan upside down or the wrong way round. These
+# are refined too, in the shape's principal axes, so that the confidence knows of them.
+HALF_TURNS = tuple(
+    Similarity(1.0, np.diag(signs), np.zeros(3))
+    for signs in ([1.0, -1.0, -1.0], [-1.0, 1.0, -1.0], [-1.0, -1.0, 1.0])
+)
+
+
+@dataclass(frozen=True)
+class Effort:
+    """How much an alignment tries.
+
+    Attributes:
+        starts: rotations to begin with; 192 are about 25 degrees apart.
+        kept: poses that are refined.
+        points: on each surface, in the end.
+        gain: share of the sum of squares by which a last step changes it.
+    """
+
+    starts: int = 192
+    kept: int = 12
+    points: int = 4000
+    gain: float = NO_GAIN
+
+
+FULL = Effort()
+
+
 @dataclass(frozen=True, eq=False)
 class Alignment:
     """Where a scan lies on a shape.
@@ -36,11 +62,12 @@ class Alignment:
     Attributes:
         pose: the map from the scan to the shape.
         rms: misfit [m]: root mean square distance both ways, of which the way from the
-            shape to the scan has a quarter of the weight.
+            shape to the scan has half the weight (`fit.WAY_BACK`).
         equivalent_poses: other poses, which differ from `pose` by a symmetry of the shape.
         next_rms: misfit of the best pose that is really different [m]; None when no such
             pose was found.
-        confidence: 1 − rms/next_rms, 0 to 1; 1 when no other pose was found.
+        confidence: 1 − rms/next_rms, 0 to 1; 1 when no other pose was found. (A scan with
+            holes is compared before it is refined without them.)
         starts: rotations from which the search began.
         iterations: steps of the refinements, all together.
         mirrored: whether the scan was mirrored; only when that was asked for.
@@ -63,8 +90,7 @@ def align(
     scale: float | None = None,
     mirror: bool = False,
     seed: int = 0,
-    starts: int = STARTS,
-    points: int = FINAL_POINTS,
+    effort: Effort = FULL,
 ) -> Alignment:
     """Lay a scan onto a shape by shift, rotation and scale, whatever its pose.
 
@@ -77,19 +103,18 @@ def align(
         scale: metres per unit of the scan; found by the fit when None.
         mirror: try the mirrored scan, too. It is never mirrored otherwise.
         seed: chooses the points on the surfaces and turns the set of rotations.
-        starts: number of rotations.
-        points: on each surface, in the end.
+        effort: how much to try.
 
     Raises:
         InputError: `scale` is no positive number.
     """
     if scale is not None and not (np.isfinite(scale) and scale > 0.0):
         raise InputError("the scale must be a positive number", key="scale", value=scale)
-    best = _align(scan, shape, scale, seed, starts, points)
+    best = _align(scan, shape, scale, seed, effort)
     if not mirror:
         return best
     turned = Similarity(1.0, np.diag([-1.0, 1.0, 1.0]), np.zeros(3))
-    other = _align(scan.moved(turned), shape, scale, seed, starts, points)
+    other = _align(scan.moved(turned), shape, scale, seed, effort)
     if other.rms >= MIRROR_GAIN * best.rms:
         return best
     return Alignment(
@@ -105,30 +130,35 @@ def align(
 
 
 def _align(
-    scan: Surface, shape: Surface, scale: float | None, seed: int, starts: int, count: int
+    scan: Surface, shape: Surface, scale: float | None, seed: int, effort: Effort
 ) -> Alignment:
     scan_frame, shape_frame = _frame(scan), _frame(shape)
     # Inside, both surfaces have their centroids at the origin and radius 1.
     inner_scale = None if scale is None else scale * scan_frame.scale / shape_frame.scale
     moved, target = scan.moved(scan_frame.inverse()), shape.moved(shape_frame.inverse())
-    coarse = _coarse(moved, target, inner_scale, seed, starts)
-    fits = _refined(Pair.of(moved, target, FINE_POINTS, inner_scale, seed), coarse, ROUGHLY)
-    final = Pair.of(moved, target, count, inner_scale, seed)
+    coarse = _coarse(moved, target, inner_scale, seed, effort.starts)
+    fine = Pair.of(moved, target, FINE_POINTS, inner_scale, seed)
+    fits = _refined(fine, coarse[: effort.kept], ROUGHLY)
+    final = Pair.of(moved, target, effort.points, inner_scale, seed)
     near: list[Fit] = []
     for fit in fits:
         # The images under an exact symmetry all end alike: one of them is enough.
         seen = any(_lies_on_itself(final, fit, other, EXACT) for other in near)
         if fit.misfit <= CLOSE * fits[0].misfit and not seen and len(near) < MOST:
             near.append(fit)
-    done = _refined(final, [fit.pose for fit in near], NO_GAIN)
-    best = done[0]
+    done = _refined(final, [fit.pose for fit in near], effort.gain)
+    best = without_holes(final, done[0])
+    turned = _refined(fine, [turn.after(best.pose) for turn in HALF_TURNS], ROUGHLY)
+    others = [*done[1:], *(fit for fit in [*fits, *turned] if fit not in near)]
+    others = _unlike([best, *others], moved)[1:]
     equivalent: list[Fit] = []
     different: list[Fit] = []
-    for fit in done[1:] + [fit for fit in fits if fit not in near]:
+    for fit in others:
         same = _lies_on_itself(final, fit, best, float(np.clip(best.misfit, EXACT, SYMMETRIC)))
         (equivalent if same else different).append(fit)
+    different.sort(key=lambda fit: fit.misfit)
     if different and different[0] not in done:
-        different[0] = refine(final, different[0].pose)
+        different[0] = refine(final, different[0].pose, gain=ROUGHLY)
     next_misfit = different[0].misfit if different else None
 
     def outside(fit: Fit) -> Similarity:
@@ -139,9 +169,9 @@ def _align(
         shape_frame.scale * best.misfit,
         tuple(outside(fit) for fit in equivalent),
         None if next_misfit is None else shape_frame.scale * next_misfit,
-        max(0.0, 1.0 - best.misfit / next_misfit) if next_misfit else 1.0,
-        starts,
-        sum(fit.iterations for fit in done + fits),
+        max(0.0, 1.0 - done[0].misfit / next_misfit) if next_misfit else 1.0,
+        effort.starts,
+        sum(fit.iterations for fit in [best, *done[1:], *fits, *turned]),
         False,
     )
 
@@ -233,7 +263,12 @@ def _umeyama(source: Floats, goal: Floats, scale: float | None) -> tuple[Floats,
 def _refined(pair: Pair, starts: list[Similarity], gain: float) -> list[Fit]:
     """Refined poses without repetitions, best first."""
     fits = sorted((refine(pair, start, gain=gain) for start in starts), key=lambda fit: fit.misfit)
-    kept = _distinct([fit.pose for fit in fits], pair.scan, len(fits), SAME)
+    return _unlike(fits, pair.scan)
+
+
+def _unlike(fits: list[Fit], scan: Surface) -> list[Fit]:
+    """The fits without those that end where an earlier one does."""
+    kept = _distinct([fit.pose for fit in fits], scan, len(fits), SAME)
     return [fit for fit in fits if fit.pose in kept]
 
 

@@ -6,15 +6,14 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from sheetmorph.compare.align import align
+from sheetmorph.compare.align import Effort, align
 from sheetmorph.compare.fit import Pair, refine
 from sheetmorph.compare.pose import Similarity
 from sheetmorph.compare.surface import Indices, Surface
 from sheetmorph.core.errors import InputError
 
 RINGS, SPOKES = 14, 48
-STARTS = 32
-POINTS = 1200
+EFFORT = Effort(starts=32, kept=4, points=800, gain=1e-4)
 FEW_POINTS = 300  # while the angle of the cap is searched for
 ANGLE_TOLERANCE = 0.02  # [rad]
 LEAST_ANGLE, LARGEST_ANGLE = 0.05, 3.0  # [rad], from which the search for the angle starts
@@ -93,7 +92,7 @@ def lay_flat_sheet(
     scan: Surface, flat: Surface, scale: float | None, seed: int = 0
 ) -> tuple[Surface, Similarity]:
     """A flat sheet in the frame of a scan, and the map from the scan to it."""
-    pose = align(scan, flat, scale=scale, seed=seed, starts=STARTS, points=POINTS).pose
+    pose = align(scan, flat, scale=scale, seed=seed, effort=EFFORT).pose
     return flat.moved(pose.inverse()), pose
 
 
@@ -111,7 +110,7 @@ def lay_cap(
     from scipy.optimize import minimize_scalar
 
     start = _sphere_angle(scan)
-    pose = align(scan, cap(area, start), scale=scale, seed=seed, starts=STARTS, points=POINTS).pose
+    pose = align(scan, cap(area, start), scale=scale, seed=seed, effort=EFFORT).pose
 
     def misfit(angle: float) -> float:
         return refine(
@@ -123,7 +122,7 @@ def lay_cap(
     found = minimize_scalar(misfit, bounds=limits, method="bounded", options=options)
     angle = float(found.x) if found.fun < misfit(start) else start
     best = cap(area, angle)
-    pose = refine(Pair.of(scan, best, POINTS, scale, seed), pose).pose
+    pose = refine(Pair.of(scan, best, EFFORT.points, scale, seed), pose).pose
     return best.moved(pose.inverse()), pose, angle
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -13,6 +13,9 @@ from sheetmorph.geometry.mesh import Floats
 # Every point of a scan has to lie on the shape. The way back keeps the scan from shrinking
 # into a corner of the shape, but a scan may have holes, whose points are far from it.
 WAY_BACK = 0.5
+HOLE = 3.0  # times the scan's own misfit; what of the shape is farther is not in the scan
+LESS = 0.95  # the scan's misfit has to fall by this factor for another round without holes
+LARGEST_CHANGE = 0.1  # of the scale's logarithm, in one round without holes
 CONVERGED = 1e-7  # a step that moves no point by more than this share of the size ends it
 NO_GAIN = 1e-6  # and so does one that changes the sum of squares by less than this share
 
@@ -27,6 +30,9 @@ class Pair:
         scan_samples: points of the scan.
         shape_samples: points of the shape.
         scale: held at this value when given.
+        far: from the shape to the scan, what is longer than this [m] counts by its length
+            and not by its square (Huber 1964): a hole of the scan pulls, but not more the
+            deeper it is.
     """
 
     scan: Surface
@@ -34,6 +40,7 @@ class Pair:
     scan_samples: Samples
     shape_samples: Samples
     scale: float | None
+    far: float = np.inf
 
     @classmethod
     def of(
@@ -100,6 +107,30 @@ def refine(pair: Pair, start: Similarity, most: int = 60, gain: float = NO_GAIN)
     return Fit(pose, float(np.sqrt(rows.cost / (1.0 + WAY_BACK))), tried)
 
 
+def without_holes(pair: Pair, fit: Fit, rounds: int = 12) -> Fit:
+    """The fit again, with less regard to parts of the shape that the scan does not show.
+
+    What is farther from the scan than `HOLE` times the scan's own misfit is taken for a
+    hole, until that misfit falls no more. The one that is told stays that of all points.
+    """
+    points, size = pair.scan_samples.points, pair.shape.size
+    own = np.inf
+    for _ in range(rounds):
+        last, own = own, _rms(pair.shape.nearest(fit.pose.apply(points)).distance)
+        if own < 1e-9 * size or own > LESS * last:
+            break
+        again = refine(replace(pair, far=HOLE * own), fit.pose)
+        if abs(np.log(again.pose.scale / fit.pose.scale)) > LARGEST_CHANGE:
+            break
+        misfit = float(np.sqrt(_rows(pair, again.pose).cost / (1.0 + WAY_BACK)))
+        fit = Fit(again.pose, misfit, fit.iterations + again.iterations)
+    return fit
+
+
+def _rms(values: Floats) -> float:
+    return float(np.sqrt((values**2).mean()))
+
+
 def _stepped(pose: Similarity, step: Floats, centre: Floats, size: float) -> Similarity:
     """The pose stretched, turned and shifted about a centre; all of the step in metres."""
     from scipy.spatial.transform import Rotation
@@ -117,13 +148,13 @@ def _rows(pair: Pair, pose: Similarity) -> _Rows:
     centre = forth.mean(axis=0)
     there = shape.nearest(forth)
     cost, hessian, gradient = _normal_equations(
-        forth, forth - there.point, shape.normals[there.triangle], centre, size
+        forth, forth - there.point, shape.normals[there.triangle], centre, size, np.inf
     )
     back = pair.shape_samples.points
     here = scan.nearest(pose.inverse().apply(back))
     touched = pose.apply(here.point)
     more = _normal_equations(
-        touched, touched - back, pose.turn(scan.normals[here.triangle]), centre, size
+        touched, touched - back, pose.turn(scan.normals[here.triangle]), centre, size, pair.far
     )
     return _Rows(
         cost + WAY_BACK * more[0],
@@ -134,7 +165,7 @@ def _rows(pair: Pair, pose: Similarity) -> _Rows:
 
 
 def _normal_equations(
-    moving: Floats, gap: Floats, normals: Floats, centre: Floats, size: float
+    moving: Floats, gap: Floats, normals: Floats, centre: Floats, size: float, far: float
 ) -> tuple[float, Floats, Floats]:
     """Mean squared length of the gaps, with its Gauss–Newton matrix and half its slope.
 
@@ -147,10 +178,13 @@ def _normal_equations(
     along = np.where(apart[:, None], gap / np.where(apart, length, 1.0)[:, None], normals)
     aside = normals - (normals * along).sum(axis=1)[:, None] * along
     arm = (moving - centre) / size
+    weights = np.minimum(1.0, far / np.maximum(length, np.finfo(float).tiny))
     slopes = []
     for direction in (along, aside):
         stretch = (arm * direction).sum(axis=1)[:, None]
         slopes.append(np.hstack([stretch, np.cross(arm, direction), direction]))
     count = len(moving)
-    hessian = (slopes[0].T @ slopes[0] + slopes[1].T @ slopes[1]) / count
-    return float(length @ length) / count, hessian, slopes[0].T @ length / count
+    weighted = [slope * weights[:, None] for slope in slopes]
+    hessian = (weighted[0].T @ slopes[0] + weighted[1].T @ slopes[1]) / count
+    near = weights * length  # the length, or `far` where that is less
+    return float(near @ (2.0 * length - near)) / count, hessian, weighted[0].T @ length / count

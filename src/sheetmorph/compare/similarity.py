@@ -113,6 +113,7 @@ def ssim(a: Surface, b: Surface, grid: int = 64, window: int = 10) -> Ssim:
     Raises:
         InputError: no such grid, or a window that does not fit into it.
     """
+    check_window(grid, window)
     points = Grid.around(a, b, grid)
     return ssim_of_fields(points, points.distance(a), points.distance(b), window)
 
