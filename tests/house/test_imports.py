@@ -9,6 +9,7 @@ import pytest
 
 SOURCE = Path(__file__).resolve().parents[2] / "src" / "sheetmorph"
 
+STUDY = {"core", "geometry", "compare", "measure", "design", "energy", "solve"}
 MAY_IMPORT: dict[str, set[str]] = {
     "core": set(),
     "geometry": {"core"},
@@ -18,12 +19,13 @@ MAY_IMPORT: dict[str, set[str]] = {
     "solve": {"core"},
     "compare": {"core", "geometry"},
     "measure": {"core", "geometry"},
-    "study": {"core", "geometry", "compare", "measure", "design", "energy", "solve"},
-    "show": {"core", "geometry", "compare", "measure", "design", "study"},
+    "study": STUDY,
+    "paper": {*STUDY, "study"},
+    "show": {"core", "geometry", "compare", "measure", "design", "study", "paper"},
     "fabricate": {"core", "geometry", "drawing", "design"},
     "cli": {
-        *("core", "geometry", "compare", "measure", "design", "energy", "solve", "study"),
-        *("show", "fabricate"),
+        *STUDY,
+        *("study", "paper", "show", "fabricate"),
     },
 }
 PLOTTING = {"matplotlib", "vtkmodules", "vtk", "PIL", "jinja2", "rich", "click"}

@@ -13,6 +13,7 @@ from sheetmorph.cli.fabricate import fabricate
 from sheetmorph.cli.history import history
 from sheetmorph.cli.material import material
 from sheetmorph.cli.new import new
+from sheetmorph.cli.paper import paper
 from sheetmorph.cli.run import run
 from sheetmorph.core.errors import SheetmorphError
 
@@ -32,7 +33,7 @@ def cli() -> None:
     """
 
 
-for _command in (new, check, run, compare, history, fabricate, material):
+for _command in (new, check, run, compare, history, fabricate, material, paper):
     cli.add_command(_command)
 
 

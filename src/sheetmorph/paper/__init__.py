@@ -1,0 +1,1 @@
+"""The results of the paper, redone and judged row by row."""
