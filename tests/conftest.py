@@ -7,7 +7,9 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from small import SMALL
 
+import sheetmorph as sm
 from sheetmorph.geometry.mesh import SheetMesh
 from sheetmorph.geometry.topology import build_mesh
 
@@ -52,3 +54,15 @@ def grid_mesh(
 def small_mesh() -> SheetMesh:
     """42 irregular nodes, about 1 cm apart."""
     return grid_mesh(6, 5, 0.01, seed=3)
+
+
+@pytest.fixture(scope="session")
+def small_design() -> sm.Design:
+    """A design that is solved in a tenth of a second."""
+    return sm.Design.from_toml(SMALL)
+
+
+@pytest.fixture(scope="session")
+def small_result(small_design: sm.Design) -> sm.Result:
+    """Its shape."""
+    return sm.simulate(small_design)

@@ -125,7 +125,7 @@ def test_overwriting(
     Path("out").mkdir()
     Path("out", own).write_text("mine")
     refused(
-        [command, str(file), "-o", "out", "--force"], capsys, "which this command did not write"
+        [command, str(file), "-o", "out", "--force"], capsys, "wrote it; choose another folder"
     )
     assert Path("out", own).read_text() == "mine"
     Path("out", own).unlink()

@@ -297,22 +297,9 @@ def test_reference_folder_by_variable_then_by_place(filed, tmp_path, monkeypatch
 
 def test_importing_the_schema_is_light():
     code = (
-        "import sys, time; start = time.perf_counter(); import sheetmorph.design.spec; "
-        "print(time.perf_counter() - start); "
-        "heavy = {'pint', 'shapely', 'scipy', 'tomlkit', 'matplotlib'} & set(sys.modules); "
+        "import sys, sheetmorph.design.spec; "
+        "heavy = {'pint', 'shapely', 'scipy', 'tomlkit', 'matplotlib', 'jax', 'vtk', 'trimesh', "
+        "'igl', 'cv2', 'h5py', 'PIL', 'jinja2', 'rich', 'click'} & set(sys.modules); "
         "assert not heavy, heavy"
     )
-    environment = {**os.environ, "PYTHONDONTWRITEBYTECODE": ""}
-    times = [
-        float(
-            subprocess.run(
-                [sys.executable, "-c", code],
-                capture_output=True,
-                text=True,
-                check=True,
-                env=environment,
-            ).stdout
-        )
-        for _ in range(2)
-    ]
-    assert min(times) < 0.6
+    subprocess.run([sys.executable, "-c", code], check=True)

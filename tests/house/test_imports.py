@@ -20,12 +20,13 @@ MAY_IMPORT: dict[str, set[str]] = {
     "compare": {"core", "geometry"},
     "measure": {"core", "geometry"},
     "study": STUDY,
+    "calibrate": {*STUDY, "study"},
     "paper": {*STUDY, "study"},
-    "show": {"core", "geometry", "compare", "measure", "design", "study", "paper"},
+    "show": {"core", "geometry", "compare", "measure", "design", "study", "calibrate", "paper"},
     "fabricate": {"core", "geometry", "drawing", "design"},
     "cli": {
         *STUDY,
-        *("study", "paper", "show", "fabricate"),
+        *("study", "calibrate", "paper", "show", "fabricate"),
     },
 }
 PLOTTING = {"matplotlib", "vtkmodules", "vtk", "PIL", "jinja2", "rich", "click"}

@@ -113,13 +113,13 @@ def test_files_of_others_are_left_alone(tmp_path):
     check_place(tmp_path, SHRINK_FILES, True, ROWS)
     with pytest.raises(InputError, match="--force"):
         check_place(tmp_path, SHRINK_FILES, False, ROWS)
-    with pytest.raises(InputError, match="would be written over"):
+    with pytest.raises(InputError, match="written over"):
         check_place(tmp_path, SHRINK_FILES, True, tmp_path / "curve.csv")
     (tmp_path / "shrink.json").write_text('{"format": "something else"}')
-    with pytest.raises(InputError, match="did not write"):
+    with pytest.raises(InputError, match="no shrink curve wrote it"):
         check_place(tmp_path, SHRINK_FILES, True, ROWS)
     (tmp_path / "shrink.json").unlink()
-    with pytest.raises(InputError, match=r"holds curve\.csv, which this command did not write"):
+    with pytest.raises(InputError, match=r"curve\.csv: .* no shrink curve wrote it"):
         check_place(tmp_path, SHRINK_FILES, True, ROWS)
     with pytest.raises(InputError, match="this is a file"):
         check_place(tmp_path / "mine.txt", SHRINK_FILES, True, ROWS)

@@ -104,7 +104,7 @@ def compare(
     with _by_their_options():
         options = _options(length, face, mirror, box, no_crop or is_run(scan), grid, window)
     folder = _folder(output, scan)
-    check_folder(folder, force)
+    check_folder(folder, force, [path for path in (result, scan) if path.is_file()])
     for path in (result, scan):
         if not path.exists():
             raise InputError("there is no such file or folder", file=path)

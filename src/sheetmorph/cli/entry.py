@@ -7,6 +7,7 @@ import sys
 import click
 
 from sheetmorph import __version__
+from sheetmorph.cli.calibrate import calibrate
 from sheetmorph.cli.check import check
 from sheetmorph.cli.compare import compare
 from sheetmorph.cli.fabricate import fabricate
@@ -33,7 +34,7 @@ def cli() -> None:
     """
 
 
-for _command in (new, check, run, compare, history, fabricate, material, paper):
+for _command in (new, check, run, compare, history, calibrate, fabricate, material, paper):
     cli.add_command(_command)
 
 

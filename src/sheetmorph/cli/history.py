@@ -22,6 +22,7 @@ if TYPE_CHECKING:
 # As geometry.surface.Width and measure.silhouette.Background, which --help must not import.
 WIDTHS = ("feret_max", "feret_min", "x", "y", "side")
 BACKGROUNDS = ("auto", "light", "dark")
+PLOT, RUNS, MEANS = "history.png", "history.csv", "films.csv"
 
 
 @click.command()
@@ -140,7 +141,10 @@ def history(
     if not output.strip():
         raise InputError("-o wants a folder, such as history", value=output)
     folder = Path(output)
-    _check_folder(folder, force)
+    _check_folder(folder, films, force)
+    interval = quantity(given["interval"], "time", "--interval")
+    if interval <= 0.0:
+        raise InputError("must be above zero", key="--interval", value=given["interval"])
     azimuth = quantity(given["azimuth"], "angle", "--azimuth")
     results = [Result.load(run) for run in runs]
     names = _unlike([_run_name(run, k) for k, run in enumerate(runs)])
@@ -149,7 +153,7 @@ def history(
         filmed = _measured(films, results, azimuth, given, listener)
     mean = None
     if any(film.good.any() for film in filmed):
-        mean = mean_of(filmed, quantity(given["interval"], "time", "--interval"))
+        mean = mean_of(filmed, interval)
     chosen = width or ("side" if films else "feret_max")
     _write(folder, computed, filmed, mean, chosen, mask_pictures)
     if not quiet:
@@ -175,7 +179,7 @@ def _measured(
                 histories.append(read_table(path))
             else:
                 histories.append(read_film(open_film(path, given["rate"]), options, listener))
-    names = _unlike([film.name for film in histories])
+    names = _film_names(films)
     return [replace(film, name=name) for film, name in zip(histories, names, strict=True)]
 
 
@@ -192,35 +196,50 @@ def _write(
     from sheetmorph.show.history import write_history
     from sheetmorph.study.history import mean_csv, runs_csv
 
-    for old in _written(folder):
+    for old in _ours(folder):
         old.unlink()
     if computed:
-        write_text(folder / "history.csv", runs_csv(computed))
+        write_text(folder / RUNS, runs_csv(computed))
     for film in filmed:
         write_text(folder / "films" / f"{film.name}.csv", film.to_csv())
         if mask_pictures and film.shots:
             write_frames(film, folder / "films" / f"{film.name}.png")
     if mean is not None and len(filmed) > 1:
-        write_text(folder / "films.csv", mean_csv(mean))
-    write_history(folder / "history.png", computed, filmed, mean, width)
+        write_text(folder / MEANS, mean_csv(mean))
+    write_history(folder / PLOT, computed, filmed, mean, width)
 
 
-def _written(folder: Path) -> list[Path]:
-    """What an earlier call wrote: a folder without its plot is the user's."""
-    if not (folder / "history.png").is_file():
+def _ours(folder: Path) -> list[Path]:
+    """What an earlier call wrote: its plot, and tables by their titles, with their pictures."""
+    from sheetmorph.measure.film_history import is_table
+
+    if not (folder / PLOT).is_file():
         return []
-    names = ("history.csv", "history.png", "films.csv", "films/*.csv", "films/*.png")
-    return [path for name in names for path in folder.glob(name) if path.is_file()]
+    tables = [path for path in (folder / "films").glob("*.csv") if is_table(path)]
+    files = [folder / name for name in (PLOT, RUNS, MEANS)]
+    files += [*tables, *(path.with_suffix(".png") for path in tables)]
+    return [path for path in files if path.is_file()]
 
 
-def _check_folder(folder: Path, force: bool) -> None:
-    if folder.exists() and not folder.is_dir():
-        raise InputError("this is a file; choose another folder with -o", file=folder)
-    if not force and (folder / "history.png").is_file():
-        raise InputError(
-            "this folder holds a history; add --force to replace it, or choose another with -o",
-            file=folder,
-        )
+def _check_folder(folder: Path, films: Sequence[Path], force: bool) -> None:
+    from sheetmorph.show.guard import check_folder
+
+    for film in films:
+        if film.is_dir() and film.resolve() == (folder / "films").resolve():
+            raise InputError(
+                "the pictures of this film lie where its table would be written; choose another "
+                "folder with -o",
+                file=film,
+            )
+    earlier = _ours(folder)
+    names = [f"films/{name}{end}" for name in _film_names(films) for end in (".csv", ".png")]
+    check_folder(
+        folder, (PLOT, RUNS, MEANS, *names), "history", ours=earlier.__contains__, force=force
+    )
+
+
+def _film_names(films: Sequence[Path]) -> list[str]:
+    return _unlike([path.resolve().name if path.is_dir() else path.stem for path in films])
 
 
 def _tell(

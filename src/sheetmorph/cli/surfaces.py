@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -19,6 +19,8 @@ if TYPE_CHECKING:
 SCANS = (".stl", ".obj", ".ply")
 MESHES = (".vtu", ".msh", ".txt")
 FORMATS = "a run's folder, .h5, " + ", ".join((*SCANS, *MESHES))
+SMALL, LARGE = 1e-3, 3.0
+"""Sizes of sheets [m] beyond which a mesh was probably read in the wrong unit."""
 NEAR = 0.005
 """A state counts as that of an actuation when it is this near to it."""
 
@@ -62,7 +64,8 @@ def read_shape(path: Path, *, unit: float = 1.0, state: str | None = None) -> Sh
     if not is_run(path):
         if state is not None:
             raise InputError("--state is for runs; a mesh has one state", file=path, value=state)
-        return _from_mesh(path, unit)
+        shape = _from_mesh(path, unit)
+        return replace(shape, notes=(*shape.notes, *_size_notes(shape)))
     from sheetmorph.study.result import Result
 
     result = Result.load(path)
@@ -166,6 +169,16 @@ def _from_mesh(path: Path, unit: float) -> Shape:
         return Shape(Surface(points, triangles), path.name)
     except InputError as error:
         raise error.located(path) from None
+
+
+def _size_notes(shape: Shape) -> tuple[str, ...]:
+    size = shape.surface.size
+    if SMALL <= size <= LARGE:
+        return ()
+    return (
+        f"{shape.name} is {size:.3g} m large as it was read; if it is in another unit, say so by "
+        "--shape-unit, such as --shape-unit mm.",
+    )
 
 
 def _known_format(path: Path) -> None:

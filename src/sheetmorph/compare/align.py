@@ -249,10 +249,10 @@ def _umeyama(source: Floats, goal: Floats, scale: float | None) -> tuple[Floats,
     stretch[:, 2] *= (sign := np.sign(np.linalg.det(left @ right)))
     left[:, :, 2] *= sign[:, None]
     rotation = left @ right
-    size = stretch.sum(axis=1) / (p**2).sum(axis=(1, 2))
-    if scale is not None:
-        size = np.full_like(size, scale)
-    size = np.clip(size, 1e-3, 1e3)
+    if scale is None:
+        size = np.clip(stretch.sum(axis=1) / (p**2).sum(axis=(1, 2)), 1e-3, 1e3)
+    else:
+        size = np.full(len(source), scale)
     return (
         rotation,
         size,

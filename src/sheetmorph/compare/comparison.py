@@ -17,7 +17,7 @@ from sheetmorph.compare.faces import Face, Faces, face_of, faces_of
 from sheetmorph.compare.fit import Pair, refine
 from sheetmorph.compare.pose import Similarity
 from sheetmorph.compare.result import AspectRatios, Comparison
-from sheetmorph.compare.scan import Scan
+from sheetmorph.compare.scan import Scan, unit_of_scale
 from sheetmorph.compare.similarity import Grid, check_window, ssim, ssim_of_fields
 from sheetmorph.compare.surface import Surface
 from sheetmorph.core.errors import InputError
@@ -33,6 +33,7 @@ OTHER_SSIM = ((10, 7), (10, 3))
 POOR_FIT = 0.08  # a misfit above this share of the size says that the two are unlike
 UNSURE = 0.05  # a pose with less confidence than this is one of several
 SCALE_POINTS = 2000
+WRONG_UNIT = 0.4  # logarithm of a scale that no shrinkage explains
 
 
 @dataclass(frozen=True)
@@ -129,7 +130,7 @@ def compare_surfaces(
         tuple(ssim(laid, shape, *other) for other in OTHER_SSIM),
         baselines,
         AspectRatios(
-            float(aspect_ratio(shape.points[shape.used])), float(aspect_ratio(laid.points))
+            float(aspect_ratio(shape.points[shape.used])), float(aspect_ratio(laid.points[laid.used]))
         ),
         face,
         thickness,
@@ -215,7 +216,12 @@ def _pose_notes(
         )
     if known is not None:
         free = refine(Pair.of(scan, shape, SCALE_POINTS, None, options.seed), found.pose).pose
+        larger = free.scale / found.pose.scale
+        yield f"The scale was held; left free it would make the scan {larger:.3f} times as large."
+        if abs(np.log(larger)) > WRONG_UNIT:
+            yield "So much more or less than 1 says that the unit or the scale given is wrong."
+    elif unit := unit_of_scale(found.pose.scale):
         yield (
-            "The scale was held; left free it would make the scan "
-            f"{free.scale / found.pose.scale:.3f} times as large."
+            f"The size was fitted. One unit of the scan is nearly 1 {unit}; if the file is in "
+            f"{unit}, say so, and the true size counts."
         )

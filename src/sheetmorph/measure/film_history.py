@@ -10,11 +10,10 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from sheetmorph.core.columns import read_text
 from sheetmorph.core.errors import InputError
 from sheetmorph.geometry.mesh import Floats
 from sheetmorph.measure.frames import Image
-
-MAX_TABLE_BYTES = 10_000_000
 
 COLUMNS = (
     *("frame", "time_s", "h_over_d", "h_over_d_seen", "h_mm", "d_mm", "h_px", "d_px"),
@@ -113,17 +112,14 @@ def read_table(path: str | Path) -> FilmHistory:
         InputError: it is no such table; the message names the line.
     """
     file = Path(path)
-    if not file.is_file():
-        raise InputError("there is no such table", file=file)
-    if file.stat().st_size > MAX_TABLE_BYTES:
-        raise InputError("too large for a table", file=file, allowed="up to 10 MB")
+    text = read_text(file)
     try:
-        rows = list(csv.DictReader(io.StringIO(file.read_text("utf-8-sig")), strict=True))
-    except (csv.Error, UnicodeDecodeError) as error:
+        rows = list(csv.DictReader(io.StringIO(text), strict=True))
+    except csv.Error as error:
         raise InputError("this file is no table of comma-separated values", file=file) from error
     if not rows or not {"time_s", "h_over_d"} <= set(rows[0]):
         raise InputError(
-            "a table of h/d needs the columns time_s and h_over_d",
+            "a table of h/d needs the columns time_s and h_over_d, separated by commas",
             file=file,
             allowed=", ".join(COLUMNS),
         )
@@ -134,7 +130,16 @@ def read_table(path: str | Path) -> FilmHistory:
         )
     if not np.isfinite(columns["time_s"]).all():
         raise InputError("a time is missing", file=file, key="time_s")
-    scales = columns["d_mm"] / columns["d_px"]
+    back = np.flatnonzero(np.diff(columns["time_s"]) <= 0.0)
+    if len(back):
+        raise InputError(
+            "the times must increase",
+            file=file,
+            key=f"line {back[0] + 3}, time_s",
+            value=rows[back[0] + 1]["time_s"],
+        )
+    pixels = np.where(columns["d_px"] > 0.0, columns["d_px"], np.nan)
+    scales = columns["d_mm"] / pixels
     scale = float(np.nanmedian(scales)) if np.isfinite(scales).any() else None
     frame = np.nan_to_num(columns["frame"], nan=0.0).astype(np.int64)
     flags = tuple(tuple(f for f in (row.get("flags") or "").split("; ") if f) for row in rows)
@@ -150,6 +155,16 @@ def read_table(path: str | Path) -> FilmHistory:
         flags,
         None if scale is None else 1e-3 * scale,
     )
+
+
+def is_table(path: Path) -> bool:
+    """Whether a file begins as the tables that `FilmHistory.to_csv` writes."""
+    titles = ",".join(COLUMNS) + "\n"
+    try:
+        with path.open(encoding="utf-8") as stream:
+            return stream.readline(len(titles) + 1) == titles
+    except (OSError, UnicodeDecodeError):
+        return False
 
 
 def _text(value: float, digits: int) -> str:

@@ -72,7 +72,7 @@ class Film:
     @property
     def name(self) -> str:
         """The name of the file or folder without its ending."""
-        return self.path.name if self.pictures else self.path.stem
+        return self.path.resolve().name if self.pictures else self.path.stem
 
 
 def open_film(path: str | Path, rate: float | None = None) -> Film:

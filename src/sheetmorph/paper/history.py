@@ -110,12 +110,12 @@ def _evaluate(setting: Setting, outcomes: Outcomes) -> Findings:
         "history",
         "Height over width against actuation; d is the largest caliper width of the shape seen "
         "from above. The broken line is the 1.2 that the paper states for C.",
-        "ε_pre",
+        "εₚᵣₑ  [–]",
         "h/d",
         tuple(curves),
         ((1.2, "stated for C"),),
     )
-    head = ("design", "ε_pre", *(f"h/d, d = {_WIDTHS[name]}" for name in WIDTHS))
+    head = ("design", "εₚᵣₑ  [–]", *(f"h/d, d = {_WIDTHS[name]}" for name in WIDTHS))
     table = tuple(
         (
             LETTERS[design],

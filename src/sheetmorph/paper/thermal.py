@@ -138,7 +138,7 @@ def _evaluate(setting: Setting, outcomes: Outcomes) -> Findings:
             "profiles",
             "Thermal strain over the free strain against the distance from the pattern "
             "(Fig. 4E): formula, and the edges of the bowl's mesh.",
-            "d / d_max",
+            "d/dₘₐₓ  [–]",
             "εᵗʰ / εₚᵣₑ",
             tuple(curves),
         )

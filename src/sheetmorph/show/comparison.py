@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 import json
-import os
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from sheetmorph.core.errors import InputError, OutputError
 from sheetmorph.core.files import write_text
+from sheetmorph.show import guard
 from sheetmorph.show.pictures import borrowed
 from sheetmorph.show.render import RenderWorker
 
@@ -39,35 +38,21 @@ class Written:
     notes: tuple[str, ...]
 
 
-def check_folder(folder: str | Path, force: bool) -> None:
+def check_folder(folder: str | Path, force: bool, inputs: Iterable[Path] = ()) -> None:
     """Refuse a folder that holds a comparison, or that cannot be one.
 
     Raises:
-        InputError: it is a file, or holds a comparison and `force` is not set, or holds
-            files of these names that no comparison wrote.
-        OutputError: nothing can be written there.
+        InputError, OutputError: see `guard.check_folder`.
     """
-    place = Path(folder)
-    if place.exists() and not place.is_dir():
-        raise InputError("this is a file; choose another folder with -o", file=place)
-    there = next(folder for folder in (place, *place.absolute().parents) if folder.exists())
-    if not os.access(there, os.W_OK):
-        raise OutputError(f"{there}: nothing can be written here; choose another folder with -o")
-    if (place / DATA).exists():
-        if not force:
-            raise InputError(
-                "this folder holds a comparison; add --force to replace it, or choose another "
-                "with -o",
-                file=place,
-            )
-        return
-    for name in OUTPUTS:
-        if (place / name).exists():
-            raise InputError(
-                "this file would be replaced, and no comparison wrote it; choose another folder "
-                "with -o",
-                file=place / name,
-            )
+    marker = Path(folder) / DATA
+    guard.check_folder(
+        folder,
+        OUTPUTS,
+        "comparison",
+        ours=lambda _file: marker.exists(),
+        force=force,
+        inputs=inputs,
+    )
 
 
 def write_comparison(
@@ -105,6 +90,9 @@ def write_comparison(
     notes: Sequence[str] = ()
     drawn: list[Path] = []
     data = comparison.to_json() | dict(more or {})
+    # The numbers come first, so that a folder cut off half way is known as a comparison.
+    text = json.dumps(data, indent=2, ensure_ascii=False, allow_nan=False)
+    write_text(place / DATA, text + "\n")
     if pictures:
         with borrowed(worker) as painter:
             drawn = _draw(comparison, place / "pictures", names, painter)
@@ -115,8 +103,6 @@ def write_comparison(
             (place / "pictures" / name).unlink(missing_ok=True)
     write_stl(place / ALIGNED, comparison.scan.triangles, comparison.scan.points)
     page = write_page(comparison, data, place / PAGE, names, drawn, notes)
-    text = json.dumps(data, indent=2, ensure_ascii=False, allow_nan=False)
-    write_text(place / DATA, text + "\n")
     return Written((place / DATA, page, place / ALIGNED, *drawn), tuple(notes))
 
 

@@ -10,11 +10,11 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-from sheetmorph.core.errors import InputError
 from sheetmorph.core.files import write_text
 from sheetmorph.design.shrink_fit import ShrinkFit
 from sheetmorph.design.shrinkage import curve_text
 from sheetmorph.measure.cantilever import CantileverResult, Summary
+from sheetmorph.show import guard
 from sheetmorph.show.material import write_cantilever_picture, write_shrink_picture
 
 SHRINK_FILES = ("shrink.json", "curve.csv", "shrink.png")
@@ -25,6 +25,7 @@ _FORMATS = {
     "shrink.json": "sheetmorph shrink curve",
     "cantilever.json": "sheetmorph cantilever test",
 }
+_KINDS = {"shrink.json": "shrink curve", "cantilever.json": "cantilever test"}
 _MAX_MARKER = 20_000_000
 
 
@@ -96,28 +97,16 @@ def check_place(folder: Path, names: tuple[str, ...], force: bool, source: Path)
         source: the file of readings, which must not be written over.
 
     Raises:
-        InputError: the folder is a file, or holds files of these names.
+        InputError, OutputError: see `guard.check_folder`.
     """
-    if folder.exists() and not folder.is_dir():
-        raise InputError("this is a file; choose another folder with -o", file=folder)
-    if source.resolve() in [(folder / name).resolve() for name in names]:
-        raise InputError(
-            "the readings would be written over; choose another folder with -o", file=source
-        )
-    there = [name for name in names if (folder / name).exists()]
-    if not there:
-        return
-    if not _is_ours(folder / names[0]):
-        raise InputError(
-            f"this folder holds {there[0]}, which this command did not write; choose another "
-            "with -o",
-            file=folder,
-        )
-    if not force:
-        raise InputError(
-            f"this folder holds {there[0]}; add --force to replace it, or choose another with -o",
-            file=folder,
-        )
+    guard.check_folder(
+        folder,
+        names,
+        _KINDS[names[0]],
+        ours=lambda _file: _is_ours(folder / names[0]),
+        force=force,
+        inputs=[source],
+    )
 
 
 def write_shrink_files(fit: ShrinkFit, folder: Path) -> tuple[Path, ...]:

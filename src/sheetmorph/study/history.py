@@ -11,10 +11,14 @@ from typing import get_args
 import numpy as np
 from numpy.typing import NDArray
 
+from sheetmorph.core.errors import InputError
 from sheetmorph.geometry.mesh import Floats
 from sheetmorph.geometry.surface import Width, in_plane_width
 from sheetmorph.measure.film_history import FilmHistory
 from sheetmorph.study.result import Result
+
+MAX_TIMES = 1_000_000
+"""Of the common clock of several films."""
 
 WIDTHS: tuple[Width, ...] = get_args(Width)
 
@@ -86,11 +90,21 @@ def mean_of(films: Sequence[FilmHistory], interval: float) -> MeanHistory:
     Args:
         films: one at least, with a good frame each.
         interval: between the times [s].
+
+    Raises:
+        InputError: more than `MAX_TIMES` times.
     """
     good = [(film.time[film.good], film.ratio[film.good]) for film in films]
     good = [pair for pair in good if len(pair[0])]
     first = min(time.min() for time, _ in good)
     last = max(time.max() for time, _ in good)
+    if not (last - first) / interval < MAX_TIMES:
+        raise InputError(
+            "the films are too long for this interval",
+            key="--interval",
+            value=interval,
+            allowed=f"up to {MAX_TIMES} times from {first:g} s to {last:g} s",
+        )
     clock = first + interval * np.arange(round((last - first) / interval) + 1)
     values = np.array(
         [np.interp(clock, time, ratio, left=np.nan, right=np.nan) for time, ratio in good]

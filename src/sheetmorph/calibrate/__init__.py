@@ -1,0 +1,1 @@
+"""Parameters of a design found from scans and measured curves."""
