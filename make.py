@@ -60,7 +60,7 @@ def _checks(*selection: str) -> int:
         (PYTHON, "-m", "ruff", "check", "."),
         (PYTHON, "-m", "ruff", "format", "--check", "."),
         (PYTHON, "-m", "mypy"),
-        (PYTHON, "-m", "pytest", "-q", *selection),
+        (PYTHON, "-m", "pytest", "-q", "-n", "auto", "--dist", "worksteal", *selection),
     )
     # The tests come last, so that their count closes the output; all steps are run.
     codes = [run(*step, check=False) for step in steps]
