@@ -147,7 +147,7 @@ def test_options_have_bounds() -> None:
 # Curves.
 
 
-def test_a_curve_is_read(tmp_path: Path) -> None:
+def test_a_curve_is_read(tmp_path: Path, small_result: sm.Result) -> None:
     file = tmp_path / "film.csv"
     file.write_text("# a film\nactuation, h/d, std\n0.5, 0.1, 0.01\n1.0, 0.2, 0.02\n")
     curve = read_curve(file)
@@ -157,7 +157,12 @@ def test_a_curve_is_read(tmp_path: Path) -> None:
     np.testing.assert_allclose(read_curve(file).at, [0.0, 1.0, 0.5])
     assert "even actuation" in read_curve(file).notes[0]
     file.write_text("time_s,h_over_d\n10,0.1\n20,\n30,0.2\n")
-    np.testing.assert_allclose(read_curve(file).at, [0.0, 1.0])
+    film = read_curve(file)
+    np.testing.assert_allclose(film.at, [0.0, 1.0])
+    assert (film.width, curve.width) == ("side", "feret_max")
+    loaded = small_result.load_fraction == 1.0
+    side = small_result.aspect_ratios("side")[loaded][-1]
+    assert film.differences(small_result)[-1] == pytest.approx(side - 0.2, abs=1e-9)
 
 
 @pytest.mark.parametrize(

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -11,6 +11,7 @@ from sheetmorph.core.columns import Table, parse_table, read_text
 from sheetmorph.core.errors import InputError
 from sheetmorph.core.units import Kind
 from sheetmorph.geometry.mesh import Floats
+from sheetmorph.geometry.surface import Width
 from sheetmorph.measure.film_history import read_table
 from sheetmorph.study.result import Result
 
@@ -30,6 +31,7 @@ class Curve:
         aspect_ratio: h/d there, shape (n,).
         deviation: its standard deviation, shape (n,); None when not known.
         notes: what the reader should know.
+        width: which width of the shape d is.
     """
 
     name: str
@@ -38,6 +40,7 @@ class Curve:
     aspect_ratio: Floats
     deviation: Floats | None = None
     notes: tuple[str, ...] = ()
+    width: Width = "feret_max"
 
     @property
     def size(self) -> float:
@@ -61,7 +64,7 @@ class Curve:
 
         loaded = result.load_fraction == 1.0
         along = result.ramp[loaded] if self.axis == "actuation" else -result.actuation[loaded]
-        values = result.aspect_ratio[loaded]
+        values = result.aspect_ratios(self.width)[loaded]
         along, first = np.unique(along, return_index=True)
         wanted = self.at if self.axis == "actuation" else -self.at
         wanted = np.clip(wanted, along[0], along[-1])
@@ -75,7 +78,7 @@ def read_curve(path: str | Path) -> Curve:
 
     `time` is counted from its least value (no actuation) to its greatest (full actuation),
     as if the sheet were actuated evenly in time. The table of a film (`time_s`, `h_over_d`)
-    is read, too, without the frames that are in doubt.
+    is read, too, without the frames that are in doubt; its d is the width seen from the side.
 
     Raises:
         InputError: the file cannot be read, lacks a column, or holds a number out of range;
@@ -87,7 +90,8 @@ def read_curve(path: str | Path) -> Curve:
         table = parse_table(text, max_rows=MAX_ROWS)
         if "time_s" in table and "h_over_d" in table:
             film = read_table(file)
-            return _checked(file.name, "time", film.time[film.good], film.ratio[film.good], None)
+            curve = _checked(file.name, "time", film.time[film.good], film.ratio[film.good], None)
+            return replace(curve, width="side")
         return _curve(file.name, table)
     except InputError as error:
         raise error.located(file) from None

@@ -8,7 +8,7 @@ import os
 import signal
 import threading
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from concurrent.futures import Future, ProcessPoolExecutor, ThreadPoolExecutor
+from concurrent.futures import BrokenExecutor, Future, ProcessPoolExecutor, ThreadPoolExecutor
 from contextlib import contextmanager
 from dataclasses import asdict
 from pathlib import Path
@@ -16,7 +16,7 @@ from typing import Any, TypeVar
 
 from sheetmorph import __version__
 from sheetmorph.calibrate.misfit import Evaluation, Task
-from sheetmorph.core.errors import InputError, OutputError
+from sheetmorph.core.errors import ComputationError, InputError, OutputError
 
 JOURNAL = "evaluations.jsonl"
 _THREADS = ("OMP_NUM_THREADS", "MKL_NUM_THREADS", "OPENBLAS_NUM_THREADS", "NUMBA_NUM_THREADS")
@@ -94,6 +94,7 @@ class Evaluations:
         Raises:
             KeyboardInterrupt: interrupted.
             OutputError: the journal cannot be written.
+            ComputationError: a process died.
         """
         key = (self._epoch, tuple(float(value) for value in values))
         with self._lock:
@@ -102,7 +103,14 @@ class Evaluations:
             if self._stopped:
                 raise KeyboardInterrupt
             pending = self._submit(key[1]) if self.workers > 1 else None
-        found = self.task.evaluate(key[1]) if pending is None else pending.result()
+        try:
+            found = self.task.evaluate(key[1]) if pending is None else pending.result()
+        except BrokenExecutor as error:
+            self.stop()
+            raise ComputationError(
+                "a process that simulates has died; try --workers 1 (from a script, start the "
+                'fit below `if __name__ == "__main__":`)'
+            ) from error
         self._keep(key, found)
         return found
 

@@ -137,8 +137,14 @@ def state_index(result: Result, state: str | None) -> int:
         ) from error
     away = np.abs(result.actuation - wanted)
     if not away.min() <= NEAR:
-        reached = ", ".join(dict.fromkeys(f"{value:.3g}" for value in result.actuation))
-        raise InputError("no state of this actuation", key="--state", value=state, allowed=reached)
+        reached = ", ".join(dict.fromkeys(f"{value + 0.0:.3g}" for value in result.actuation))
+        raise InputError(
+            "the run has no state of this actuation; take one of its states, or run the design "
+            f"to it, with --set actuation.eps_pre={text}",
+            key="--state",
+            value=state,
+            allowed=reached,
+        )
     # Of several, the last: the load that started the bending is off by then.
     return int(np.flatnonzero(away <= away.min() + 1e-12)[-1])
 
@@ -175,10 +181,11 @@ def _size_notes(shape: Shape) -> tuple[str, ...]:
     size = shape.surface.size
     if SMALL <= size <= LARGE:
         return ()
-    return (
+    note = (
         f"{shape.name} is {size:.3g} m large as it was read; if it is in another unit, say so by "
-        "--shape-unit, such as --shape-unit mm.",
+        "--shape-unit, such as --shape-unit mm."
     )
+    return (note,)
 
 
 def _known_format(path: Path) -> None:

@@ -189,7 +189,7 @@ def _draw_map(
     x, y = (points * factors).T
     axes.scatter(
         x, y, c=np.clip(misfit, low, high), s=20, cmap=style.ANGLE_MAP,
-        vmin=low, vmax=high, edgecolors="white" if filled else "none", linewidths=0.6, zorder=3,
+        vmin=low, vmax=high, edgecolors=style.INK if filled else "none", linewidths=0.6, zorder=3,
         label="simulated designs" if filled else None,
     )  # fmt: skip
 
