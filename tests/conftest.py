@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import signal
 from pathlib import Path
 
 import numpy as np
@@ -12,6 +13,10 @@ from small import SMALL
 import sheetmorph as sm
 from sheetmorph.geometry.mesh import SheetMesh
 from sheetmorph.geometry.topology import build_mesh
+
+# A shell that starts the tests in the background has them, and their programs, ignore Ctrl-C.
+if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
+    signal.signal(signal.SIGINT, signal.default_int_handler)
 
 ROOT = Path(__file__).resolve().parents[1]
 
