@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import shutil
 from collections.abc import Iterator
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -13,6 +14,8 @@ from small import SMALL
 
 import sheetmorph as sm
 from sheetmorph.cli import main
+from sheetmorph.compare import comparison
+from sheetmorph.compare.align import Effort, align
 from sheetmorph.geometry.writers import write_stl
 
 FILES = {"comparison.json", "comparison.html", "aligned_scan.stl"}
@@ -48,6 +51,8 @@ def here(made: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterato
     """A folder with links to what was made, in which nothing may be left behind."""
     monkeypatch.chdir(tmp_path)
     monkeypatch.setenv("SHEETMORPH_RENDERER", "drawn")
+    brisk = partial(align, effort=Effort(starts=96, kept=6, points=1000))
+    monkeypatch.setattr(comparison, "align", brisk)
     for path in made.iterdir():
         (tmp_path / path.name).symlink_to(path)
     yield tmp_path
@@ -233,3 +238,23 @@ def test_the_reference_scan(
     assert data["face"] == "both"
     assert data["rms_mm"]["scan_to_shape"] < 0.1 * data["size_mm"]
     assert Path("c/comparison.html").read_text("utf-8").count("data:image/png") == 4
+
+
+def test_a_mesh_in_another_unit_than_metres_is_told(
+    here: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    result = sm.Result.load(here / "run")
+    write_stl(here / "shape.stl", result.mesh.triangles, 1e3 * result.positions[-1])
+    assert main(["compare", "shape.stl", "scan.stl", "-o", "c", *QUICK]) == 0
+    assert "m large as it was read" in capsys.readouterr().err
+    command = ["compare", "shape.stl", "scan.stl", "-o", "d", "--shape-unit", "mm", *QUICK]
+    assert main(command) == 0
+    assert "as it was read" not in capsys.readouterr().err
+
+
+def test_the_scan_is_not_written_over(here: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    (here / "d").mkdir()
+    (here / "d" / "aligned_scan.stl").write_bytes((here / "scan.stl").read_bytes())
+    (here / "d" / "comparison.json").write_text("{}")
+    said = said_by(capsys, "run", "d/aligned_scan.stl", "-o", "d", "--force", *QUICK)
+    assert "written over" in said

@@ -150,3 +150,40 @@ def test_help(capsys):
     assert main(["history", "--help"]) == 0
     text = capsys.readouterr().out
     assert "Examples:" in text and "--reference" in text
+
+
+def test_pictures_of_the_user_are_neither_replaced_nor_deleted(place, tmp_path, capsys):
+    out = tmp_path / "out"
+    (out / "films").mkdir(parents=True)
+    mine = [out / "films" / name for name in ("oven.png", "1.png", "table.csv")]
+    for path in mine:
+        path.write_text("mine")
+    command = ["history", "--film", str(place / "oven.mp4"), "-o", str(out), "-q", "--force"]
+    assert main(command) == 2
+    assert "oven.png: this file would be replaced" in capsys.readouterr().err
+    mine.pop(0).unlink()
+    for _ in range(2):
+        assert main(command) == 0
+        assert [path.read_text() for path in mine] == ["mine", "mine"]
+    assert (out / "films" / "oven.png").is_file()
+    into_itself = ["history", "--film", str(out / "films"), "-o", str(out), "-q", "--force"]
+    assert main(into_itself) == 2
+    assert "choose another folder" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ("text", "more", "wanted"),
+    [
+        ("time_s,h_over_d\n0,0.1\n1,0.2\n", ["--interval", "0 s"], "--interval: must be above"),
+        ("time_s,h_over_d\n0,0.1\n1e13,0.2\n", [], "too long for this interval"),
+        ("time_s,h_over_d\n0,0.1\n2,0.2\n1,0.3\n", [], "line 4, time_s: the times must increase"),
+        ("time_s;h_over_d\n0;0,1\n", [], "separated by commas"),
+        ("time_s,h_over_d\n0,high\n", [], "line 2, h_over_d: this is no number"),
+    ],
+)
+def test_tables_that_cannot_be(text, more, wanted, tmp_path, capsys):
+    (tmp_path / "t.csv").write_text(text)
+    said = main(["history", "--film", str(tmp_path / "t.csv"), "-o", str(tmp_path / "o"), *more])
+    assert said == 2
+    assert wanted in capsys.readouterr().err
+    assert not (tmp_path / "o").exists()

@@ -124,9 +124,7 @@ def test_overwriting(
 ) -> None:
     Path("out").mkdir()
     Path("out", own).write_text("mine")
-    refused(
-        [command, str(file), "-o", "out", "--force"], capsys, "wrote it; choose another folder"
-    )
+    refused([command, str(file), "-o", "out", "--force"], capsys, "wrote it; choose another folder")
     assert Path("out", own).read_text() == "mine"
     Path("out", own).unlink()
     assert main(["material", command, str(file), "-o", "out", "-q"]) == 0

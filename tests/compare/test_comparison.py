@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -10,6 +12,8 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 import sheetmorph as sm
+from sheetmorph.compare import comparison
+from sheetmorph.compare.align import Effort, align
 from sheetmorph.compare.comparison import CompareOptions, Comparison, compare_surfaces
 from sheetmorph.compare.pose import Similarity
 from sheetmorph.compare.scan import Scan, read_surface
@@ -36,7 +40,14 @@ def outer(reference: Path, states: tuple[Surface, Surface]) -> Comparison:
     return compare_surfaces(states[1], scan, flat=states[0])
 
 
-def dome(cells: int = 24) -> Surface:
+@pytest.fixture
+def brisk(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Fewer points in the alignment, for surfaces that need no more."""
+    effort = Effort(starts=96, kept=6, points=1000)
+    monkeypatch.setattr(comparison, "align", partial(align, effort=effort))
+
+
+def dome(cells: int = 16) -> Surface:
     x, y = np.meshgrid(*[np.linspace(-1, 1, cells + 1)] * 2, indexing="ij")
     z = 0.5 * x * y - 0.4 * x**2 - 0.2 * y**2 + 0.15 * x**3
     a = (np.arange(cells)[:, None] * (cells + 1) + np.arange(cells)).ravel()
@@ -119,6 +130,7 @@ def test_the_outer_face_of_the_raw_scan(
     assert face.unit_length == pytest.approx(outer.unit_length, rel=0.01)
 
 
+@pytest.mark.usefixtures("brisk")
 def test_a_copy_is_the_same() -> None:
     shape = dome()
     result = compare_surfaces(shape, posed(shape, 40.0), options=QUICK)
@@ -131,6 +143,7 @@ def test_a_copy_is_the_same() -> None:
     assert result.alignment.confidence > 0.99
 
 
+@pytest.mark.usefixtures("brisk")
 def test_the_unit_makes_the_scale_known() -> None:
     shape = dome()
     millimetres = posed(shape, 1e3)
@@ -139,6 +152,7 @@ def test_the_unit_makes_the_scale_known() -> None:
     assert result.scale_known
     assert result.scan_to_shape.rms < 1e-6
     assert any("scale was held" in note for note in result.notes)
+    assert not any("wrong" in note for note in result.notes)
     read = Scan(posed(shape, 1.1), "scan.stl", (), 1e-3)
     other = compare_surfaces(shape, read, options=CompareOptions(grid=16, window=4))
     assert other.unit_length == pytest.approx(1e-3)
@@ -147,6 +161,19 @@ def test_the_unit_makes_the_scale_known() -> None:
     assert any("0.909 times" in note for note in other.notes)
 
 
+@pytest.mark.usefixtures("brisk")
+def test_a_unit_is_recognised_and_a_wrong_one_is_told() -> None:
+    shape = dome(12)
+    inches = posed(shape, 1 / 0.0254)
+    fitted = compare_surfaces(shape, inches, options=QUICK)
+    assert any("nearly 1 in" in note for note in fitted.notes)
+    wrong = compare_surfaces(shape, inches, options=replace(QUICK, unit="mm"))
+    assert wrong.unit_length == pytest.approx(1e-3, rel=1e-9)
+    assert any("unit or the scale given is wrong" in note for note in wrong.notes)
+
+
+@pytest.mark.slow
+@pytest.mark.usefixtures("brisk")
 def test_what_is_no_scan_of_the_sheet_is_told() -> None:
     rng = np.random.default_rng(0)
     points = rng.normal(size=(300, 3))
@@ -156,6 +183,7 @@ def test_what_is_no_scan_of_the_sheet_is_told() -> None:
     json.dumps(result.to_json(), allow_nan=False)
 
 
+@pytest.mark.usefixtures("brisk")
 def test_flat_against_flat() -> None:
     shape = dome()
     flat = Surface(shape.points * [1, 1, 0], shape.triangles)
@@ -166,6 +194,7 @@ def test_flat_against_flat() -> None:
     assert values["aspect_ratio"]["shape"] == 0.0
 
 
+@pytest.mark.usefixtures("brisk")
 def test_progress_is_told() -> None:
     heard: list[Event] = []
     compare_surfaces(dome(12), dome(12), options=QUICK, on_event=heard.append)

@@ -104,6 +104,7 @@ def test_presets(name, oven, tmp_path):
     assert_within_3_percent(filmed, film)
 
 
+@pytest.mark.slow
 def test_a_camera_that_is_said_to_be_level_but_is_not(tmp_path):
     result = result_of("bowl")
     filmed, film = measured(result, Oven(elevation=6.0), tmp_path, 3)

@@ -25,7 +25,7 @@ from sheetmorph.core.errors import InputError
 
 __all__ = ["CropOptions", "prepare"]
 
-ENOUGH = 400_000  # triangles; a scan with more is reduced
+ENOUGH = 150_000  # triangles; a scan with more is reduced
 DEBRIS = 0.02  # a piece with less of the largest piece's area is debris
 
 
@@ -34,7 +34,7 @@ def prepare(scan: Scan, *, crop: CropOptions | None = None, shape: Surface | Non
 
     In this order: the box of `crop`; triangles without area or there twice; cracks; the
     floor; debris; directions of the triangles (a closed body's normals point outwards);
-    what is left open or branches is counted; more than 400 000 triangles are reduced.
+    what is left open or branches is counted; more than 150 000 triangles are reduced.
     Every step that changed anything adds a note.
 
     Args:

@@ -130,7 +130,8 @@ def compare_surfaces(
         tuple(ssim(laid, shape, *other) for other in OTHER_SSIM),
         baselines,
         AspectRatios(
-            float(aspect_ratio(shape.points[shape.used])), float(aspect_ratio(laid.points[laid.used]))
+            float(aspect_ratio(shape.points[shape.used])),
+            float(aspect_ratio(laid.points[laid.used])),
         ),
         face,
         thickness,

@@ -149,7 +149,11 @@ class Table:
     def _cell(self, row: int, place: int, title: str) -> float:
         text = self.rows[row][place].replace("−", "-")
         if not _NUMBER.fullmatch(text):
-            what = "the cell is empty" if not text else "write a finite number, with a point and no comma"
+            what = (
+                "the cell is empty"
+                if not text
+                else "write a finite number, with a point and no comma"
+            )
             raise InputError(f"line {self.lines[row]}, column {title}: {what}", value=text or None)
         return float(text)
 
