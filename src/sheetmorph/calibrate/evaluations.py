@@ -5,7 +5,6 @@ from __future__ import annotations
 import json
 import math
 import os
-import signal
 import threading
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from concurrent.futures import BrokenExecutor, Future, ProcessPoolExecutor, ThreadPoolExecutor
@@ -17,9 +16,9 @@ from typing import Any, TypeVar
 from sheetmorph import __version__
 from sheetmorph.calibrate.misfit import Evaluation, Task
 from sheetmorph.core.errors import ComputationError, InputError, OutputError
+from sheetmorph.core.processes import one_thread_each, processes
 
 JOURNAL = "evaluations.jsonl"
-_THREADS = ("OMP_NUM_THREADS", "MKL_NUM_THREADS", "OPENBLAS_NUM_THREADS", "NUMBA_NUM_THREADS")
 _MAX_JOURNAL = 200_000_000
 
 T = TypeVar("T")
@@ -148,10 +147,8 @@ class Evaluations:
 
     def _submit(self, values: tuple[float, ...]) -> Future[Evaluation]:
         if self._pool is None:
-            with _one_thread_each():
-                self._pool = ProcessPoolExecutor(
-                    self.workers, _spawn(), initializer=_begin, initargs=(self.task,)
-                )
+            with one_thread_each():
+                self._pool = processes(self.workers, _begin, self.task)
                 self._pool.submit(int)  # all processes start here, with one thread each
         return self._pool.submit(_evaluate, values)
 
@@ -208,33 +205,11 @@ _TASK: list[Task] = []
 
 
 def _begin(task: Task) -> None:
-    signal.signal(signal.SIGINT, signal.SIG_IGN)  # the first process decides when to end
     _TASK[:] = [task]
 
 
 def _evaluate(values: tuple[float, ...]) -> Evaluation:
     return _TASK[0].evaluate(values)
-
-
-def _spawn() -> Any:
-    import multiprocessing
-
-    return multiprocessing.get_context("spawn")
-
-
-@contextmanager
-def _one_thread_each() -> Iterator[None]:
-    """Processes that start here compute with one thread."""
-    before = {name: os.environ.get(name) for name in _THREADS}
-    os.environ.update(dict.fromkeys(_THREADS, "1"))
-    try:
-        yield
-    finally:
-        for name, value in before.items():
-            if value is None:
-                os.environ.pop(name, None)
-            else:
-                os.environ[name] = value
 
 
 @contextmanager

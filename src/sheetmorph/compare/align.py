@@ -146,7 +146,8 @@ def _align(
         seen = any(_lies_on_itself(final, fit, other, EXACT) for other in near)
         if fit.misfit <= CLOSE * fits[0].misfit and not seen and len(near) < MOST:
             near.append(fit)
-    done = _refined(final, [fit.pose for fit in near], effort.gain)
+    done = _refined(final, [fit.pose for fit in near], max(ROUGHLY, effort.gain))
+    done[0] = refine(final, done[0].pose, gain=effort.gain)
     best = without_holes(final, done[0])
     turned = _refined(fine, [turn.after(best.pose) for turn in HALF_TURNS], ROUGHLY)
     others = [*done[1:], *(fit for fit in [*fits, *turned] if fit not in near)]

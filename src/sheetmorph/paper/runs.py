@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from time import perf_counter, process_time
@@ -13,6 +11,7 @@ from typing import Any
 import numpy as np
 
 from sheetmorph.core.errors import InputError
+from sheetmorph.core.processes import one_thread_each, processes
 from sheetmorph.design.presets import preset_text
 from sheetmorph.design.spec import Design
 from sheetmorph.geometry import surface
@@ -32,10 +31,6 @@ ACTUATIONS = {
 
 WIDTHS: tuple[surface.Width, ...] = ("feret_max", "feret_min", "x")
 
-_THREADS = (
-    *("OMP_NUM_THREADS", "MKL_NUM_THREADS", "OPENBLAS_NUM_THREADS"),
-    *("NUMBA_NUM_THREADS", "VECLIB_MAXIMUM_THREADS"),
-)
 
 _RELEASED: dict[str, dict[str, object]] = {
     "bowl": {
@@ -243,14 +238,10 @@ def perform_all(jobs: Sequence[Job], workers: int) -> Iterator[tuple[int, Any]]:
         for index, job in enumerate(jobs):
             yield index, job.work(*job.arguments)
         return
-    from concurrent.futures import ProcessPoolExecutor, as_completed
+    from concurrent.futures import as_completed
     from concurrent.futures.process import BrokenProcessPool
-    from multiprocessing import get_context
 
-    with (
-        _one_thread(),
-        ProcessPoolExecutor(min(workers, len(jobs)), mp_context=get_context("spawn")) as pool,
-    ):
+    with one_thread_each(), processes(min(workers, len(jobs))) as pool:
         futures = {pool.submit(job.work, *job.arguments): k for k, job in enumerate(jobs)}
         try:
             for future in as_completed(futures):
@@ -261,18 +252,3 @@ def perform_all(jobs: Sequence[Job], workers: int) -> Iterator[tuple[int, Any]]:
         except BaseException:
             pool.shutdown(wait=False, cancel_futures=True)
             raise
-
-
-@contextmanager
-def _one_thread() -> Iterator[None]:
-    """Processes started inside have one thread each for their linear algebra."""
-    before = {name: os.environ.get(name) for name in _THREADS}
-    os.environ.update(dict.fromkeys(_THREADS, "1"))
-    try:
-        yield
-    finally:
-        for name, value in before.items():
-            if value is None:
-                os.environ.pop(name, None)
-            else:
-                os.environ[name] = value
