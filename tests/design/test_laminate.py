@@ -18,7 +18,7 @@ from sheetmorph.design.spec import Design
 
 
 def stack(*layers: tuple[float, float, float, float]) -> LayerStack:
-    return LayerStack(*np.array(layers, dtype=float).T, np.arange(len(layers)) == 0)
+    return LayerStack(*np.array(layers, dtype=float).T, *2 * [np.arange(len(layers)) == 0])
 
 
 # By hand, in MPa and mm, with Y1 = 0.8911/(1 - 0.33^2) = 0.8911/0.8911 = 1 and Y2 = 3:

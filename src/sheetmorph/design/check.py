@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from sheetmorph.core.errors import InputError
-from sheetmorph.design.actuation import edge_distance, thermal_strain
+from sheetmorph.design.actuation import covered_cells, edge_distance, thermal_strain
 from sheetmorph.design.laminate import (
     LayerStack,
     mean_edge_length,
@@ -63,7 +63,9 @@ def describe(design: Design, mesh: SheetMesh | None = None) -> dict[str, Any]:
             "eps_pre_scatter": design.eps_pre_scatter,
             "temperature": design.actuation.temperature,
             "greatest_distance": (
-                edge_distance(design, mesh, region)[1] if design.pattern else None
+                edge_distance(design, mesh, region)[1]
+                if covered_cells(design, region).any() and not design.actuation.whole_sheet
+                else None
             ),
             "strain_range": [float(strain.min()), float(strain.max())],
         },
@@ -115,16 +117,22 @@ def format_description(report: dict[str, Any]) -> str:
         _row("mesh", f"{counts} ({mesh['source']})"),
         _row("", f"mean edge {_mm(mesh['mean_edge_length'])}, smallest angle {angle:.0f}°"),
         *([_row("", f"symmetry: {mesh['symmetry']}")] if mesh["symmetry"] else []),
-        _row("", f"hinges run {_RUN[mesh['hinge_orientation']]}"),
     ]
+    published = report["model"] == "published"
+    if published:
+        lines.append(_row("", f"hinges run {_RUN[mesh['hinge_orientation']]}"))
     for name, numbers in report["regions"].items():
         layers = " + ".join(numbers["layers"])
-        bending = f"D {numbers['flexural_rigidity']:.4g} N·m"
-        hinge = f"k_b {numbers['bending_stiffness']:.4g} J"
+        stiffness = [f"D {numbers['flexural_rigidity']:.4g} N·m"]
+        if published:
+            stiffness.insert(0, f"k_s {numbers['stretching_stiffness']:.4g} J")
+            stiffness.append(f"k_b {numbers['bending_stiffness']:.4g} J")
+        else:
+            stiffness.insert(0, f"Σ Y h {numbers['membrane_stiffness']:.4g} N/m")
         neutral = f"neutral plane at {_mm(numbers['neutral_height'])}"
         area = f"{1e6 * numbers['area']:.4g} mm²"
         lines.append(_row(name, f"{area} of {layers}, {_mm(numbers['thickness'])} thick"))
-        lines.append(_row("", f"k_s {numbers['stretching_stiffness']:.4g} J, {bending}, {hinge}"))
+        lines.append(_row("", ", ".join(stiffness)))
         lines.append(_row("", neutral))
     heat, reach = actuation["temperature"], actuation["greatest_distance"]
     at = "" if heat is None else f" at {heat - 273.15:.4g} °C"

@@ -9,7 +9,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Annotated, Any
 
-from pydantic import BaseModel, BeforeValidator, ConfigDict, Strict, model_validator
+from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, Strict, model_validator
 from pydantic_core import PydanticCustomError, core_schema
 
 from sheetmorph.core.errors import InputError, nearest, shorten
@@ -103,6 +103,7 @@ def _number(value: object) -> object:
 
 Number = Annotated[float, BeforeValidator(_number)]
 Whole = Annotated[int, Strict()]
+FileName = Annotated[str, Field(min_length=1, max_length=200)]
 Flag = Annotated[bool, Strict()]
 
 Coordinate = Annotated[float, Quantity("length", "-100 m", "100 m")]

@@ -22,6 +22,7 @@ _EXCLUSIVE: tuple[tuple[str, ...], ...] = (
     ("mesh.size", "mesh.file", "mesh.reference_file"),
     ("perturbation.force_per_node", "perturbation.total_force"),
 )
+_TABLES = {"published": "laminate", "laminate": "published"}
 _DEEP_KEY = re.compile(rf"(?<![\w\"'-])(?:[\w\"'-]++[ \t]*+\.[ \t]*+){{{_MAX_DEPTH}}}")
 _KEY = re.compile(r"[A-Za-z0-9_-]{1,60}(?:(?:\.[A-Za-z0-9_-]{1,60})|(?:\[\d{1,6}\])){0,8}")
 
@@ -72,7 +73,8 @@ def parse_design_text(text: str) -> dict[str, Any]:
 def edit_design_text(text: str, values: Mapping[str, object]) -> str:
     """The text with some keys set, comments and order kept.
 
-    Setting one of several keys that exclude each other removes the others.
+    Setting one of several keys that exclude each other removes the others; setting the model
+    removes the table of options of the other one.
 
     Args:
         text: TOML text.
@@ -88,6 +90,10 @@ def edit_design_text(text: str, values: Mapping[str, object]) -> str:
     from tomlkit.exceptions import TOMLKitError
 
     document = tomlkit.parse(text)
+    for model, other in _TABLES.items():
+        asked = any(key.split(".")[0] == other for key in values)
+        if _parsed(values.get("model")) == model and not asked:
+            document.pop(other, None)
     for key, value in values.items():
         for group in _EXCLUSIVE:
             for other in group if key in group and value is not None else ():

@@ -32,6 +32,7 @@ class LayerStack:
         poisson_ratios: shape (n,).
         densities: [kg/m³], shape (n,).
         active: layers that shrink or swell, shape (n,).
+        eigenstrain_factors: of the free strain of each layer, 0 for inert ones, shape (n,).
     """
 
     thicknesses: Floats
@@ -39,6 +40,7 @@ class LayerStack:
     poisson_ratios: Floats
     densities: Floats
     active: NDArray[np.bool_]
+    eigenstrain_factors: Floats
 
     @classmethod
     def of(cls, layers: Sequence[Layer]) -> LayerStack:
@@ -49,6 +51,7 @@ class LayerStack:
             np.array([layer.poisson_ratio for layer in layers]),
             np.array([layer.density for layer in layers]),
             np.array([layer.role == "active" for layer in layers], dtype=np.bool_),
+            np.array([layer.eigenstrain_factor * (layer.role == "active") for layer in layers]),
         )
 
     @property

@@ -247,7 +247,8 @@ class InertPart:
 
 def find_inert_parts(design: DesignSchema) -> tuple[InertPart, ...]:
     """The inert layers of the parts of the pattern, in the order of the layers."""
-    first = next(k for k, layer in enumerate(design.layers) if layer.role == "active")
+    active = [k for k, layer in enumerate(design.layers) if layer.role == "active"]
+    first = active[0] if active else 0
     return tuple(
         InertPart(
             layer.name,
@@ -258,5 +259,5 @@ def find_inert_parts(design: DesignSchema) -> tuple[InertPart, ...]:
             "bottom" if index < first else "top",
         )
         for index, layer in enumerate(design.layers)
-        if layer.where != EVERYWHERE
+        if layer.where != EVERYWHERE and layer.role == "inert"
     )

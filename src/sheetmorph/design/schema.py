@@ -8,14 +8,13 @@ from typing import Annotated, Literal, Self
 
 from pydantic import Field, model_validator
 
-from sheetmorph.core.errors import nearest
+from sheetmorph.design.actuation_table import Actuation
 from sheetmorph.design.fields import MAX_NAME, NAME_PATTERN, Section, problem
 from sheetmorph.design.layout import Layout, lay_out
 from sheetmorph.design.outlines import Outline, PatternShape
+from sheetmorph.design.rules import check_layers, check_model, check_supports
 from sheetmorph.design.sections import (
-    EVERYWHERE,
-    Actuation,
-    FreeSupport,
+    LaminateOptions,
     Layer,
     MeshSource,
     Outputs,
@@ -36,7 +35,7 @@ class DesignSchema(Section):
     """A design as the file states it, checked and in SI units."""
 
     name: Name
-    model: Literal["published"] = "published"
+    model: Literal["published", "laminate"] = "published"
     outline: Outline
     pattern: Annotated[tuple[PatternShape, ...], Field(max_length=MAX_SHAPES)] = ()
     layers: Annotated[tuple[Layer, ...], Field(min_length=1, max_length=MAX_LAYERS)]
@@ -45,13 +44,15 @@ class DesignSchema(Section):
     perturbation: Perturbation = Perturbation()
     mesh: MeshSource
     published: PublishedOptions = PublishedOptions()
+    laminate: LaminateOptions = LaminateOptions()
     solver: SolverOptions = SolverOptions()
     outputs: Outputs = Outputs()
 
     @model_validator(mode="after")
     def _consistent(self) -> Self:
-        _check_layers(self)
-        _check_supports(self)
+        check_model(self)
+        check_layers(self)
+        check_supports(self)
         _check_size(self)
         return self
 
@@ -59,68 +60,6 @@ class DesignSchema(Section):
     def layout(self) -> Layout:
         """The plan of the sheet that outline and pattern make."""
         return lay_out(self.outline, self.pattern)
-
-
-def _check_layers(design: DesignSchema) -> None:
-    seen: set[str] = set()
-    parts = list(dict.fromkeys(piece.part for piece in design.pattern))
-    if EVERYWHERE in parts:
-        raise problem("is the name of the whole sheet", key="pattern.part", value=EVERYWHERE)
-    for index, layer in enumerate(design.layers):
-        key = f"layers[{index}]"
-        if layer.name in seen:
-            raise problem("two layers have the same name", key=f"{key}.name", value=layer.name)
-        seen.add(layer.name)
-        if layer.where == EVERYWHERE:
-            continue
-        if layer.role == "active":
-            raise problem(
-                "an active layer covers the whole sheet",
-                key=f"{key}.where",
-                value=layer.where,
-                allowed=EVERYWHERE,
-            )
-        if not parts:
-            raise problem(
-                "this layer lies in a part of the pattern, and the design has none: "
-                "add a [[pattern]] shape, or write everywhere",
-                key=f"{key}.where",
-            )
-        if layer.where not in parts:
-            guess = nearest(layer.where, [EVERYWHERE, *parts])
-            hint = f"; did you mean {guess}?" if guess else ""
-            raise problem(
-                f"no shape of the pattern belongs to this part{hint}",
-                key=f"{key}.where",
-                value=layer.where,
-                allowed=", ".join([EVERYWHERE, *parts]),
-            )
-    if not any(layer.role == "active" for layer in design.layers):
-        raise problem("no layer is active, so nothing moves", key="layers", allowed="role = active")
-    for part in parts:
-        if not any(layer.where == part for layer in design.layers):
-            raise problem(f"no layer has where = {part}, so it is made of nothing", key="pattern")
-
-
-def _check_supports(design: DesignSchema) -> None:
-    free = [isinstance(support, FreeSupport) for support in design.supports]
-    if any(free) and not all(free):
-        raise problem(
-            "a free sheet has no other support; remove one of the two",
-            key=f"supports[{free.index(True)}].kind",
-        )
-    if (not free or all(free)) and design.perturbation.shape == "uniform":
-        raise problem(
-            "a uniform force does nothing to a free sheet",
-            key="perturbation.shape",
-            value="uniform",
-            allowed="bowl, or add a [[supports]] table",
-        )
-    for index, support in enumerate(design.supports):
-        if getattr(support, "kind", "") == "pattern_in_box" and not design.pattern:
-            raise problem(
-                "the design has no pattern to hold", key=f"supports[{index}].kind", allowed="box"
-            )
 
 
 def _check_size(design: DesignSchema) -> None:

@@ -8,6 +8,7 @@ from pydantic import Field, model_validator
 
 from sheetmorph.core.errors import InputError
 from sheetmorph.design.fields import (
+    FileName,
     Flag,
     Interval,
     Number,
@@ -19,7 +20,6 @@ from sheetmorph.design.fields import (
 )
 from sheetmorph.design.materials import layer_values
 
-FileName = Annotated[str, Field(min_length=1, max_length=200)]
 EVERYWHERE = "everywhere"
 """Where a layer lies that covers the whole sheet."""
 
@@ -37,6 +37,7 @@ class Layer(Section):
             that the design leaves out; None for none.
         young_modulus: at the temperature of actuation [Pa].
         density: [kg/m³].
+        eigenstrain_factor: factor on the free strain of this active layer; laminate model.
     """
 
     name: Annotated[str, Field(min_length=1, max_length=60, pattern=r"^[^\x00-\x1f\x7f]+$")]
@@ -50,6 +51,7 @@ class Layer(Section):
     poisson_ratio: Annotated[Number, Field(ge=0, lt=0.5)] = 0.33
     density: Annotated[float, Quantity("density", "0.1 kg/m^3", "30000 kg/m^3")] = 1000.0
     where: Annotated[str, Field(min_length=1, max_length=60)] = EVERYWHERE
+    eigenstrain_factor: Annotated[Number, Field(ge=-10, le=10)] = 1.0
 
     @model_validator(mode="before")
     @classmethod
@@ -71,44 +73,6 @@ class Layer(Section):
                 allowed='such as "2.7 MPa", or material = "PLA"',
             )
         return data
-
-
-class Actuation(Section):
-    """How far the active layers shrink, and how that varies over the sheet.
-
-    Attributes:
-        eps_pre: free strain of an unconstrained active layer; negative is shrinkage.
-        temperature: [K]; gives eps_pre through the shrink curve.
-        shrink_curve: "polystyrene" (built in) or the name of a CSV file.
-        profile: how the strain grows with the distance from the pattern.
-        gamma: steepness of the exponential profile; 0 is linear, large is a step.
-        distance: measured to the nearest midpoint of a bilayer edge (as published), or
-            to the boundary of the pattern (does not depend on the mesh).
-    """
-
-    eps_pre: Annotated[float, Quantity("dimensionless", "-0.95", "1", above=True)] | None = None
-    temperature: Annotated[float, Quantity("temperature", "0 K", "3000 K")] | None = None
-    shrink_curve: FileName = "polystyrene"
-    profile: Literal["linear", "exponential", "step"] = "linear"
-    gamma: Annotated[Number, Field(ge=0, le=1e12)] | None = None
-    distance: Literal["bilayer_edges", "pattern_boundary"] = "pattern_boundary"
-
-    @model_validator(mode="after")
-    def _consistent(self) -> Self:
-        if self.eps_pre is None and self.temperature is None:
-            raise problem("say how far to actuate", key="eps_pre", allowed="eps_pre or temperature")
-        if self.eps_pre is not None and self.temperature is not None:
-            raise problem(
-                "eps_pre and temperature exclude each other; keep one of them", key="temperature"
-            )
-        if self.profile == "exponential" and self.gamma is None:
-            raise problem("the exponential profile needs a gamma, such as 3.0", key="gamma")
-        if self.profile != "exponential" and self.gamma is not None:
-            raise problem(
-                f"the {self.profile} profile has no gamma; remove it, or choose exponential",
-                key="gamma",
-            )
-        return self
 
 
 class BoxSupport(Section):
@@ -242,6 +206,17 @@ class PublishedOptions(Section):
     coupling: Annotated[Number, Field(ge=-1e6, le=1e6)] = 1.0
     mean_edge_length: Size | None = None
     hinge_orientation: Literal["file_order", "away_from_pattern"] | None = None
+
+
+class LaminateOptions(Section):
+    """Options of the laminate model.
+
+    Attributes:
+        thickening: "volume_conserved": an active layer that shrinks in its plane thickens, so
+            that its volume stays; "none": layers keep their thickness.
+    """
+
+    thickening: Literal["volume_conserved", "none"] = "volume_conserved"
 
 
 class SolverOptions(Section):

@@ -2,19 +2,18 @@
 
 from __future__ import annotations
 
-import hashlib
-import json
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from pydantic import ValidationError
 
 from sheetmorph.core.errors import InputError
 from sheetmorph.core.files import write_text
 from sheetmorph.design import files, schema
+from sheetmorph.design.content import content_hash
 from sheetmorph.design.drawn import Drawing
 from sheetmorph.design.layout import find_inert_parts
 from sheetmorph.design.messages import to_input_error
@@ -23,17 +22,11 @@ if TYPE_CHECKING:
     from shapely import MultiPolygon, Polygon
 
     from sheetmorph.design import outlines, sections
+    from sheetmorph.design.actuation_table import Actuation
     from sheetmorph.design.layout import InertPart, Layout
     from sheetmorph.design.shrinkage import ShrinkCurve
     from sheetmorph.geometry.mesh import SheetMesh
     from sheetmorph.geometry.symmetry import Symmetry
-
-_NOT_HASHED: dict[str, Any] = {
-    "name": True,
-    "outputs": True,
-    # Limits: a run that met one goes on when it is raised.
-    "solver": {"max_steps": True, "time_limit": True},
-}
 
 
 @dataclass(frozen=True, eq=False)
@@ -144,12 +137,17 @@ class Design:
         return self.spec.model
 
     @property
+    def laminate(self) -> bool:
+        """True for the laminate model, False for the published one."""
+        return self.spec.model == "laminate"
+
+    @property
     def layers(self) -> tuple[sections.Layer, ...]:
         """The layers from the bottom up."""
         return self.spec.layers
 
     @property
-    def actuation(self) -> sections.Actuation:
+    def actuation(self) -> Actuation:
         """The table `actuation`."""
         return self.spec.actuation
 
@@ -199,12 +197,16 @@ class Design:
     def eps_pre(self) -> float:
         """Free strain of an unconstrained active layer; negative is shrinkage.
 
+        With a radial profile it is the factor on the strains of the table.
+
         Raises:
             InputError: the temperature lies outside the shrink curve, or the curve's
                 file is not usable.
         """
         if self.actuation.eps_pre is not None:
             return self.actuation.eps_pre
+        if self.actuation.profile == "radial":
+            return 1.0
         assert self.actuation.temperature is not None  # noqa: S101  the schema wants one of the two
         return self._curve.eps_pre(self.actuation.temperature)
 
@@ -314,22 +316,4 @@ class Design:
         Raises:
             InputError: a file that the design names is not there.
         """
-        content: dict[str, Any] = self.spec.model_dump(mode="json", exclude=_NOT_HASHED)
-        mesh = self.resolve_mesh_path()
-        for name in ("file", "reference_file"):
-            del content["mesh"][name]
-        if mesh is not None:
-            content["mesh"]["sha256"] = hashlib.sha256(mesh.read_bytes()).hexdigest()
-        tables = [content["outline"], *content["pattern"]]
-        for shape, table in zip([self.outline, *self.pattern], tables, strict=True):
-            if isinstance(shape, Drawing):
-                table["sha256"] = hashlib.sha256(shape.wkb()).hexdigest()
-                del table["file"]
-        curve = self.actuation.shrink_curve
-        if self.actuation.temperature is None:
-            del content["actuation"]["shrink_curve"]
-        elif curve != "polystyrene":
-            path = self.resolve_file(curve, "actuation.shrink_curve")
-            content["actuation"]["shrink_curve"] = hashlib.sha256(path.read_bytes()).hexdigest()
-        text = json.dumps(content, sort_keys=True, separators=(",", ":"), allow_nan=False)
-        return hashlib.sha256(text.encode()).hexdigest()
+        return content_hash(self)

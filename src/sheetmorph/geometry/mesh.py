@@ -82,6 +82,30 @@ class SheetMesh:
         return np.asarray(0.5 * (u[:, 0] * v[:, 1] - u[:, 1] * v[:, 0]))
 
     @cached_property
+    def triangle_normals(self) -> Floats:
+        """Unit normals of the triangles, shape (T, 3)."""
+        from sheetmorph.geometry.surface import triangle_normals
+
+        return triangle_normals(self.nodes, self.triangles)
+
+    @cached_property
+    def triangle_frames(self) -> Floats:
+        """Two unit vectors in the plane of each triangle, shape (T, 2, 3).
+
+        The first is the projection of the x axis into that plane, normalised, the second the
+        normal times the first: the axes of the plan where the sheet is flat. In a triangle
+        that faces x, where the projection vanishes, the first is that of the z axis.
+        """
+        normals = self.triangle_normals
+        first = np.zeros_like(normals)
+        steep = np.abs(normals[:, 0]) > 1.0 - 1e-9
+        first[:, 0] = 1.0
+        first[steep] = (0.0, 0.0, 1.0)
+        first -= (first * normals).sum(axis=1)[:, None] * normals
+        first /= np.linalg.norm(first, axis=1)[:, None]
+        return np.stack([first, np.cross(normals, first)], axis=1)
+
+    @cached_property
     def node_areas(self) -> Floats:
         """A third of the area of the triangles around each node [m²], shape (V,)."""
         shares = np.repeat(self.triangle_areas / 3.0, 3)

@@ -1,0 +1,128 @@
+"""Rules that tie the tables of a design together: layers, parts, supports, and the model."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import TYPE_CHECKING
+
+from sheetmorph.core.errors import nearest
+from sheetmorph.design import actuation_table
+from sheetmorph.design.fields import Section, problem
+from sheetmorph.design.sections import EVERYWHERE, FreeSupport
+
+if TYPE_CHECKING:
+    from sheetmorph.design.schema import DesignSchema
+    from sheetmorph.design.sections import Layer
+
+
+def check_model(design: DesignSchema) -> None:
+    """Refuse what the chosen model does not know."""
+    other = "laminate" if design.model == "published" else "published"
+    if getattr(design, other).model_fields_set:
+        raise problem(
+            f"belongs to the {other} model; remove the table, or write model = {other}",
+            key=other,
+            value=f"model = {design.model}",
+        )
+    if design.model == "published":
+        for key, value in _of_laminate(design):
+            raise problem(
+                "belongs to the laminate model; remove it, or write model = laminate",
+                key=key,
+                value=value,
+            )
+
+
+def _of_laminate(design: DesignSchema) -> Iterator[tuple[str, object]]:
+    """Keys and values that the published model does not know."""
+    for index, layer in enumerate(design.layers):
+        yield from _given(layer, ("eigenstrain_factor",), f"layers[{index}]")
+    if design.actuation.whole_sheet:
+        yield "actuation.profile", design.actuation.profile
+    yield from _given(design.actuation, actuation_table.OF_LAMINATE, "actuation")
+
+
+def _given(table: Section, keys: tuple[str, ...], name: str) -> Iterator[tuple[str, object]]:
+    for key in keys:
+        if key in table.model_fields_set:
+            yield f"{name}.{key}", getattr(table, key)
+
+
+def check_layers(design: DesignSchema) -> None:
+    """Names, places and roles of the layers."""
+    seen: set[str] = set()
+    parts = list(dict.fromkeys(piece.part for piece in design.pattern))
+    if EVERYWHERE in parts:
+        raise problem("is the name of the whole sheet", key="pattern.part", value=EVERYWHERE)
+    for index, layer in enumerate(design.layers):
+        key = f"layers[{index}]"
+        if layer.name in seen:
+            raise problem("two layers have the same name", key=f"{key}.name", value=layer.name)
+        seen.add(layer.name)
+        if layer.role == "inert" and "eigenstrain_factor" in layer.model_fields_set:
+            raise problem(
+                "an inert layer has no free strain; remove it, or write role = active",
+                key=f"{key}.eigenstrain_factor",
+                value=layer.eigenstrain_factor,
+            )
+        if layer.where != EVERYWHERE:
+            _check_where(design, layer, parts, key)
+    if not any(layer.role == "active" for layer in design.layers):
+        raise problem("no layer is active, so nothing moves", key="layers", allowed="role = active")
+    if not any(layer.where == EVERYWHERE for layer in design.layers):
+        raise problem(
+            "no layer lies everywhere, so the sheet is nothing beside its parts",
+            key="layers",
+            allowed="where = everywhere for one of them",
+        )
+    for part in parts:
+        if not any(layer.where == part for layer in design.layers):
+            raise problem(f"no layer has where = {part}, so it is made of nothing", key="pattern")
+
+
+def _check_where(design: DesignSchema, layer: Layer, parts: list[str], key: str) -> None:
+    """The place of a layer that lies in a part of the pattern."""
+    if layer.role == "active" and design.model == "published":
+        raise problem(
+            "an active layer covers the whole sheet in the published model",
+            key=f"{key}.where",
+            value=layer.where,
+            allowed=EVERYWHERE,
+        )
+    if not parts:
+        raise problem(
+            "this layer lies in a part of the pattern, and the design has none: "
+            "add a [[pattern]] shape, or write everywhere",
+            key=f"{key}.where",
+        )
+    if layer.where not in parts:
+        guess = nearest(layer.where, [EVERYWHERE, *parts])
+        hint = f"; did you mean {guess}?" if guess else ""
+        raise problem(
+            f"no shape of the pattern belongs to this part{hint}",
+            key=f"{key}.where",
+            value=layer.where,
+            allowed=", ".join([EVERYWHERE, *parts]),
+        )
+
+
+def check_supports(design: DesignSchema) -> None:
+    """Supports, and the perturbation that they must bear."""
+    free = [isinstance(support, FreeSupport) for support in design.supports]
+    if any(free) and not all(free):
+        raise problem(
+            "a free sheet has no other support; remove one of the two",
+            key=f"supports[{free.index(True)}].kind",
+        )
+    if (not free or all(free)) and design.perturbation.shape == "uniform":
+        raise problem(
+            "a uniform force does nothing to a free sheet",
+            key="perturbation.shape",
+            value="uniform",
+            allowed="bowl, or add a [[supports]] table",
+        )
+    for index, support in enumerate(design.supports):
+        if getattr(support, "kind", "") == "pattern_in_box" and not design.pattern:
+            raise problem(
+                "the design has no pattern to hold", key=f"supports[{index}].kind", allowed="box"
+            )
