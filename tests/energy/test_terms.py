@@ -8,6 +8,7 @@ from scipy.spatial.transform import Rotation
 
 from sheetmorph.energy.registry import TERMS
 from sheetmorph.energy.taylor import taylor_slopes
+from sheetmorph.energy.term import Term, scalar_unknowns
 from sheetmorph.energy.total import Total
 from sheetmorph.geometry.mesh import SheetMesh
 from sheetmorph.geometry.topology import build_mesh
@@ -19,7 +20,19 @@ SIZES = np.geomspace(1e-2, 1e-4, 9)
 
 def total_of(name: str, mesh: SheetMesh, ramp: float = 0.6, seed: int = 0) -> Total:
     term = TERMS[name].specimen(mesh, np.random.default_rng(seed))
-    return Total.of([term], len(mesh.nodes)).at(ramp, 1.0)
+    return Total.of([term], len(mesh.nodes), scalar_count(term, mesh)).at(ramp, 1.0)
+
+
+def scalar_count(term: Term, mesh: SheetMesh) -> int:
+    """Scalar unknowns of the specimen of a term, filled up to rows of three."""
+    scalars = scalar_unknowns(term)
+    return -(-(int(scalars.max()) + 1) // 3) * 3 - 3 * len(mesh.nodes) if scalars.size else 0
+
+
+def with_scalars(total: Total, nodes: np.ndarray, size: float = 0.0) -> np.ndarray:
+    """Degrees of freedom: positions, and scalar unknowns that are random, or zero."""
+    scalars = total.pattern.size - nodes.size
+    return np.concatenate([nodes.ravel(), size * np.random.default_rng(3).standard_normal(scalars)])
 
 
 def state_of(kind: str, mesh: SheetMesh) -> tuple[np.ndarray, float]:
@@ -35,6 +48,7 @@ def state_of(kind: str, mesh: SheetMesh) -> tuple[np.ndarray, float]:
 def test_taylor_slopes(name: str, state: str, small_mesh: SheetMesh) -> None:
     x, ramp = state_of(state, small_mesh)
     total = total_of(name, small_mesh, ramp)
+    x = with_scalars(total, x, 1e-3 if state == "random" else 0.0)
     direction = 1e-2 * np.random.default_rng(2).standard_normal(x.size)
     slopes = taylor_slopes(total, x, direction, SIZES)
     if total.terms[0].linear:
@@ -50,6 +64,7 @@ def test_taylor_slope_shows_a_wrong_hessian(name: str, small_mesh: SheetMesh) ->
     """The test above must be able to fail: a Hessian of the wrong state has order 2."""
     x, ramp = state_of("random", small_mesh)
     total = total_of(name, small_mesh, ramp)
+    x = with_scalars(total, x, 1e-3)
     elsewhere = x + 1e-3 * np.random.default_rng(5).standard_normal(x.size)
 
     class Wrong(Total):
@@ -66,18 +81,21 @@ def test_taylor_slope_shows_a_wrong_hessian(name: str, small_mesh: SheetMesh) ->
 def test_rigid_motion_changes_nothing(name: str, small_mesh: SheetMesh) -> None:
     x, ramp = state_of("random", small_mesh)
     total = total_of(name, small_mesh, ramp)
+    x = with_scalars(total, x, 1e-3)
     turn = Rotation.from_rotvec([0.4, -1.1, 0.7]).as_matrix()
-    moved = (x.reshape(-1, 3) @ turn.T + [0.3, -0.2, 0.1]).ravel()
+    count = len(small_mesh.nodes)
+    moved = x.copy().reshape(-1, 3)
+    moved[:count] = moved[:count] @ turn.T + [0.3, -0.2, 0.1]
+    moved = moved.ravel()
     e0, g0, _ = total.evaluate(x, 1)
     e1, g1, _ = total.evaluate(moved, 1)
     assert e1 == pytest.approx(e0, rel=1e-11)
-    np.testing.assert_allclose(
-        g1.reshape(-1, 3), g0.reshape(-1, 3) @ turn.T, atol=1e-10 * np.abs(g0).max()
-    )
+    forces, after = g0[: 3 * count].reshape(-1, 3), g1[: 3 * count].reshape(-1, 3)
+    np.testing.assert_allclose(after, forces @ turn.T, atol=1e-10 * np.abs(g0).max())
+    np.testing.assert_allclose(g1[3 * count :], g0[3 * count :], atol=1e-10 * np.abs(g0).max())
     # No net force and no net moment.
-    forces = g0.reshape(-1, 3)
     np.testing.assert_allclose(forces.sum(axis=0), 0, atol=1e-12 * np.abs(forces).sum())
-    moments = np.cross(x.reshape(-1, 3), forces).sum(axis=0)
+    moments = np.cross(x[: 3 * count].reshape(-1, 3), forces).sum(axis=0)
     np.testing.assert_allclose(moments, 0, atol=1e-12 * np.abs(forces).sum())
 
 
@@ -86,6 +104,7 @@ def test_hessian_is_symmetric_and_matches_gradient(name: str, small_mesh: SheetM
     """The local blocks that the pattern drops by symmetry are symmetric."""
     x, ramp = state_of("random", small_mesh)
     total = total_of(name, small_mesh, ramp)
+    x = with_scalars(total, x, 1e-3)
     _, _, data = total.evaluate(x, 2)
     full = total.pattern.full(data).toarray()
     np.testing.assert_array_equal(full, full.T)
@@ -108,13 +127,15 @@ def test_renumbering_the_nodes_changes_nothing(name: str, small_mesh: SheetMesh)
     nodes[order] = small_mesh.nodes
     renumbered = build_mesh(nodes, order[small_mesh.triangles], edges=order[small_mesh.edges])
     first, second = total_of(name, small_mesh, ramp), total_of(name, renumbered, ramp)
-    y = np.empty((len(nodes), 3))
-    y[order] = x.reshape(-1, 3)
-    e0, g0, h0 = first.evaluate(x, 2)
-    e1, g1, h1 = second.evaluate(y.ravel(), 2)
-    assert e1 == pytest.approx(e0, rel=1e-12)
-    np.testing.assert_allclose(g1.reshape(-1, 3)[order], g0.reshape(-1, 3), atol=1e-12)
+    x = with_scalars(first, x, 1e-3)
     dofs = (3 * order[:, None] + np.arange(3)).ravel()
+    dofs = np.concatenate([dofs, np.arange(nodes.size, x.size)])
+    y = np.empty_like(x)
+    y[dofs] = x
+    e0, g0, h0 = first.evaluate(x, 2)
+    e1, g1, h1 = second.evaluate(y, 2)
+    assert e1 == pytest.approx(e0, rel=1e-12)
+    np.testing.assert_allclose(g1[dofs], g0, atol=1e-12 * np.abs(g0).max())
     np.testing.assert_allclose(
         second.pattern.full(h1).toarray()[np.ix_(dofs, dofs)],
         first.pattern.full(h0).toarray(),
@@ -159,6 +180,7 @@ def test_the_convex_part_is_positive_and_agrees_without_stress(
     """Order 3: no negative eigenvalue, and the Hessian itself where nothing is stressed."""
     x, ramp = state_of("random", small_mesh)
     total = total_of(name, small_mesh, ramp)
+    x = with_scalars(total, x, 1e-3)
     exact = total.pattern.full(total.evaluate(x, 2)[2]).toarray()
     convex = total.pattern.full(total.evaluate(x, 3)[2]).toarray()
     values = np.linalg.eigvalsh(convex)
@@ -166,6 +188,7 @@ def test_the_convex_part_is_positive_and_agrees_without_stress(
     assert np.linalg.eigvalsh(exact)[0] < -1e-6 * values[-1]
     flat, ramp = state_of("flat", small_mesh)
     unstressed = total_of(name, small_mesh, ramp)
+    flat = with_scalars(unstressed, flat)
     np.testing.assert_allclose(
         unstressed.evaluate(flat, 3)[2], unstressed.evaluate(flat, 2)[2], atol=1e-12 * values[-1]
     )

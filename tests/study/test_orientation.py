@@ -58,7 +58,7 @@ def test_reversed_edges(usual) -> None:  # type: ignore[no-untyped-def]
     turned = mesh.with_hinges_reversed(np.random.default_rng(2).random(len(mesh.hinges)) < 0.5)
     side = farther_side(turned, design.pattern_polygon())
     again = turned.with_hinges_reversed(side < 0)
-    ties = problem.coupling == 0.0
+    ties = problem.model.coupling == 0.0
     np.testing.assert_array_equal(again.hinges[~ties], mesh.hinges[~ties])
     assert (farther_side(again, design.pattern_polygon()) >= 0).all()
     np.testing.assert_array_equal(side == 0, ties)
@@ -72,8 +72,8 @@ def test_ties_have_no_coupling() -> None:
     c, d = mesh.nodes[mesh.hinges[:, 2]], mesh.nodes[mesh.hinges[:, 3]]
     mirrored = np.abs(c * [1, -1, 1] - d).max(axis=1) < 1e-9
     assert mirrored.any()
-    assert (problem.coupling[mirrored] == 0).all()
-    assert (problem.coupling != 0).mean() > 0.7
+    assert (problem.model.coupling[mirrored] == 0).all()
+    assert (problem.model.coupling != 0).mean() > 0.7
 
 
 def test_a_turned_drawing_gives_the_turned_shape(small_design: sm.Design) -> None:

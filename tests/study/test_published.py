@@ -111,8 +111,8 @@ def test_printed_form_is_three_hundred_times_stiffer() -> None:
     from sheetmorph.study.model import build_problem
 
     design = sm.Design.load(EXAMPLES / "petals.toml")
-    soft = build_problem(design).stiffness.stretch
+    soft = build_problem(design).model.stretch_stiffness
     hard = build_problem(design.with_values({"published.stretch_stiffness": "printed"}))
     mesh = hard.mesh
-    np.testing.assert_allclose(hard.stiffness.stretch * mesh.edge_lengths, soft, rtol=1e-14)
-    assert 100 < np.median(hard.stiffness.stretch / soft) < 300
+    np.testing.assert_allclose(hard.model.stretch_stiffness * mesh.edge_lengths, soft, rtol=1e-14)
+    assert 100 < np.median(hard.model.stretch_stiffness / soft) < 300

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from sheetmorph.energy.hinge import CoupledHinge
+from sheetmorph.energy.laminate import LaminateShell
 from sheetmorph.energy.loads import NodalLoad
 from sheetmorph.energy.stretch import EdgeStretch
 from sheetmorph.energy.term import Term
@@ -10,6 +11,7 @@ from sheetmorph.energy.term import Term
 TERMS: dict[str, type[Term]] = {
     EdgeStretch.name: EdgeStretch,
     CoupledHinge.name: CoupledHinge,
+    LaminateShell.name: LaminateShell,
     NodalLoad.name: NodalLoad,
 }
 """Name of the term → its class."""

@@ -17,6 +17,13 @@ class Term(Protocol):
         reference: source of the energy and of its derivatives.
         stencil: nodes of each element, shape (n, m).
         linear: True when the energy is linear in the positions, so that it has no Hessian.
+
+    A term may have three scalar unknowns for each element beside the positions, such as the
+    turns of a triangle's sides. It then has an attribute `scalars`, shape (n, 3): which degrees
+    of freedom they are, counted from the first coordinate of node 0, so that `x.reshape(-1)`
+    of `local` holds them. They count as one more node of the stencil, the last, in all local
+    quantities. A term whose forces at fixed positions are not linear in the actuation says
+    `linear_in_ramp = False`.
     """
 
     @property
@@ -66,3 +73,14 @@ class Term(Protocol):
                 coordinate of node p; column index: coordinate of node q.
         """
         ...
+
+
+def scalar_unknowns(term: Term) -> Ints:
+    """The scalar unknowns of each element as degrees of freedom, shape (n, 3) or (n, 0)."""
+    none = np.zeros((len(term.stencil), 0), dtype=np.int32)
+    return np.asarray(getattr(term, "scalars", none))
+
+
+def local_width(term: Term) -> int:
+    """Nodes of the stencil, and one more where an element has scalar unknowns."""
+    return int(term.stencil.shape[1]) + (1 if scalar_unknowns(term).shape[1] else 0)

@@ -6,11 +6,11 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from sheetmorph.core.compiled import kernel
 from sheetmorph.core.sparse import SymmetricPattern
-from sheetmorph.energy.term import Term
+from sheetmorph.energy.structure import Slots, Structure, assembly_map
+from sheetmorph.energy.term import Term, local_width
 from sheetmorph.geometry.mesh import Floats
 
 CHUNK = 1024
@@ -18,26 +18,12 @@ CHUNK = 1024
 
 
 @dataclass(frozen=True, eq=False)
-class Structure:
-    """Where the local blocks of the terms go; computed once per mesh.
-
-    Attributes:
-        pattern: pattern of the Hessian on all 3 V degrees of freedom.
-        gather: for each entry of the pattern its place in the flat block storage.
-        slots: per term, the storage block of each local pair, shape (n, pairs); −1 − block
-            where the local block must be transposed.
-        blocks: number of stored 3 × 3 blocks.
-    """
-
-    pattern: SymmetricPattern
-    gather: NDArray[np.int32]
-    slots: tuple[NDArray[np.int32], ...]
-    blocks: int
-
-
-@dataclass(frozen=True, eq=False)
 class Total:
-    """The energy of the sheet as a function of all node positions.
+    """The energy of the sheet as a function of all node positions, and of scalar unknowns.
+
+    The degrees of freedom are the coordinates of the nodes, 3 V of them, and after them the
+    scalar unknowns that terms may have (see `Term`), all lengths. Their number is filled up to
+    a multiple of 3, so that x can be seen as rows of three.
 
     Attributes:
         terms: the terms, at the current actuation and load.
@@ -50,9 +36,15 @@ class Total:
     workspace: Workspace
 
     @classmethod
-    def of(cls, terms: Sequence[Term], node_count: int) -> Total:
-        """Build the pattern of the Hessian and the scratch arrays for these terms."""
-        structure = _structure([np.asarray(t.stencil) for t in terms], node_count)
+    def of(cls, terms: Sequence[Term], node_count: int, scalar_count: int = 0) -> Total:
+        """Build the pattern of the Hessian and the scratch arrays for these terms.
+
+        Args:
+            terms: the terms.
+            node_count: V.
+            scalar_count: number of scalar unknowns, a multiple of 3.
+        """
+        structure = assembly_map(terms, node_count, scalar_count)
         return cls(tuple(terms), structure, Workspace.of(terms, structure))
 
     def at(self, ramp: float, load: float) -> Total:
@@ -60,31 +52,38 @@ class Total:
         return replace(self, terms=tuple(t.at(ramp, load) for t in self.terms))
 
     @property
+    def linear_in_ramp(self) -> bool:
+        """True when the forces at fixed positions are linear in the actuation and the load."""
+        return all(getattr(term, "linear_in_ramp", True) for term in self.terms)
+
+    @property
     def pattern(self) -> SymmetricPattern:
-        """Pattern of the Hessian, shape (3 V, 3 V)."""
+        """Pattern of the Hessian, shape (n, n)."""
         return self.structure.pattern
 
     def evaluate(self, x: Floats, order: int) -> tuple[float, Floats | None, Floats | None]:
         """Energy, gradient and Hessian at the positions x.
 
         Args:
-            x: positions [m], shape (3 V,) or (V, 3), C-contiguous.
+            x: degrees of freedom [m], shape (n,) or (n / 3, 3), C-contiguous.
             order: 0 energy only, 1 with the gradient, 2 with the Hessian, 3 with the positive
                 semidefinite part of the Hessian instead (see `Term.local`).
 
         Returns:
-            Energy [J]; gradient [N], shape (3 V,); entries of the Hessian [N/m] in the order
+            Energy [J]; gradient [N], shape (n,); entries of the Hessian [N/m] in the order
             of `pattern`. The latter two are None where `order` does not ask for them.
         """
         work = self.workspace
+        if x.size != self.pattern.size:
+            raise ValueError(f"x has {x.size} degrees of freedom instead of {self.pattern.size}")
         nodes = x.reshape(-1, 3)
         gradient = np.zeros(nodes.shape) if order >= 1 else work.no_gradient
         if order >= 2:
-            work.blocks[:] = 0.0
+            work.storage[:] = 0.0
         energy = 0.0
         for term, slots in zip(self.terms, self.structure.slots, strict=True):
             energy += _sum_term(term, slots, nodes, order, gradient, work)
-        hessian = np.take(work.blocks.reshape(-1), self.structure.gather) if order >= 2 else None
+        hessian = np.take(work.storage, self.structure.gather) if order >= 2 else None
         return energy, gradient.reshape(-1) if order >= 1 else None, hessian
 
     def energies(self, x: Floats) -> dict[str, float]:
@@ -100,7 +99,7 @@ class Total:
 class Workspace:
     """Scratch arrays of one assembly; the local ones are as long as a chunk."""
 
-    blocks: Floats
+    storage: Floats
     energy: Floats
     gradients: dict[int, Floats]
     hessians: dict[int, Floats]
@@ -110,9 +109,9 @@ class Workspace:
     @classmethod
     def of(cls, terms: Sequence[Term], structure: Structure) -> Workspace:
         """Allocate for the stencil widths that occur."""
-        widths = {t.stencil.shape[1] for t in terms}
+        widths = {local_width(t) for t in terms}
         return cls(
-            blocks=np.zeros((structure.blocks, 3, 3)),
+            storage=np.zeros(structure.storage),
             energy=np.zeros(CHUNK),
             gradients={m: np.zeros((CHUNK, m, 3)) for m in widths},
             hessians={m: np.zeros((CHUNK, m * (m + 1) // 2, 3, 3)) for m in widths},
@@ -122,7 +121,7 @@ class Workspace:
 
     def local(self, term: Term) -> tuple[Floats, Floats]:
         """Scratch for the local gradients and Hessians of a term."""
-        width = term.stencil.shape[1]
+        width = local_width(term)
         return self.gradients[width], self.hessians[width]
 
 
@@ -131,12 +130,7 @@ def _chunks(count: int) -> list[tuple[int, int]]:
 
 
 def _sum_term(
-    term: Term,
-    slots: NDArray[np.int32],
-    nodes: Floats,
-    order: int,
-    gradient: Floats,
-    work: Workspace,
+    term: Term, slots: Slots, nodes: Floats, order: int, gradient: Floats, work: Workspace
 ) -> float:
     local_order = min(order, 1) if term.linear else order
     local_gradient, local_hessian = work.local(term)
@@ -145,23 +139,30 @@ def _sum_term(
         term.local(nodes, start, stop, local_order, work.energy, local_gradient, local_hessian)
         energy += _scatter(
             term.stencil,
-            slots,
+            slots.pairs,
+            slots.scalars,
+            slots.mixed,
+            slots.own,
             start,
             stop,
             local_order,
             work.energy,
             local_gradient,
             local_hessian,
-            gradient,
-            work.blocks,
+            gradient.reshape(-1),
+            work.storage,
         )
     return energy
 
 
 @kernel
-def _scatter(stencil, slots, start, stop, order, energy, grad, hess, gradient, blocks):  # type: ignore[no-untyped-def]
+def _scatter(  # type: ignore[no-untyped-def]
+    stencil, pairs, scalars, mixed, own, start, stop, order, energy, grad, hess, gradient, storage
+):
     total = 0.0
     width = stencil.shape[1]
+    scalar = scalars.shape[1] > 0
+    local = width + 1 if scalar else width
     for i in range(start, stop):
         k = i - start
         total += energy[k]
@@ -170,47 +171,39 @@ def _scatter(stencil, slots, start, stop, order, energy, grad, hess, gradient, b
         for p in range(width):
             node = stencil[i, p]
             for c in range(3):
-                gradient[node, c] += grad[k, p, c]
+                gradient[3 * node + c] += grad[k, p, c]
+        if scalar:
+            for c in range(3):
+                gradient[scalars[i, c]] += grad[k, width, c]
         if order < 2:
             continue
-        for pair in range(slots.shape[1]):
-            slot = slots[i, pair]
-            if slot >= 0:
-                for r in range(3):
-                    for c in range(3):
-                        blocks[slot, r, c] += hess[k, pair, r, c]
-            else:
-                slot = -1 - slot
-                for r in range(3):
-                    for c in range(3):
-                        blocks[slot, c, r] += hess[k, pair, r, c]
+        slot_of = 0
+        block = 0
+        for p in range(width):
+            for _ in range(p, width):
+                slot = pairs[i, slot_of]
+                if slot >= 0:
+                    place = 9 * slot
+                    for r in range(3):
+                        for c in range(3):
+                            storage[place + 3 * r + c] += hess[k, block, r, c]
+                else:
+                    place = 9 * (-1 - slot)
+                    for r in range(3):
+                        for c in range(3):
+                            storage[place + 3 * c + r] += hess[k, block, r, c]
+                slot_of += 1
+                block += 1
+            if scalar:
+                for c in range(3):
+                    place = mixed[i, 3 * p + c]
+                    for r in range(3):
+                        storage[place + r] += hess[k, block, r, c]
+                block += 1
+        if scalar:
+            pair = 0
+            for r in range(3):
+                for c in range(r, 3):
+                    storage[own[i, pair]] += hess[k, local * (local + 1) // 2 - 1, r, c]
+                    pair += 1
     return total
-
-
-def _structure(stencils: Sequence[NDArray[np.int32]], node_count: int) -> Structure:
-    """Number the node pairs that occur, and map scalar upper-triangle entries onto them."""
-    keys, flips = [], []
-    for stencil in stencils:
-        p, q = np.triu_indices(stencil.shape[1])
-        first, second = stencil[:, p].astype(np.int64), stencil[:, q].astype(np.int64)
-        keys.append(np.minimum(first, second) * node_count + np.maximum(first, second))
-        flips.append(first > second)
-    diagonal = np.arange(node_count, dtype=np.int64) * (node_count + 1)
-    unique = np.unique(np.concatenate([diagonal, *(k.ravel() for k in keys)]))
-    slots = []
-    for key, flip in zip(keys, flips, strict=True):
-        slot = np.searchsorted(unique, key).astype(np.int32)
-        slots.append(np.where(flip, -1 - slot, slot).astype(np.int32))
-    rows, cols = (unique // node_count).astype(np.int32), (unique % node_count).astype(np.int32)
-    # Scalar entries of every block, without the strict lower triangle of the diagonal blocks.
-    r, c = np.divmod(np.arange(9, dtype=np.int32), 3)
-    entry_row = (3 * rows[:, None] + r).ravel()
-    entry_col = (3 * cols[:, None] + c).ravel()
-    place = np.flatnonzero(entry_col >= entry_row)
-    order = np.lexsort((entry_col[place], entry_row[place]))
-    gather = place[order].astype(np.int32)
-    size = 3 * node_count
-    counts = np.bincount(entry_row[gather], minlength=size)
-    indptr = np.concatenate([[0], np.cumsum(counts)]).astype(np.int32)
-    pattern = SymmetricPattern(size, indptr, np.ascontiguousarray(entry_col[gather]))
-    return Structure(pattern, gather, tuple(slots), len(unique))

@@ -93,8 +93,8 @@ def _stiffness_ratio(setting: Setting) -> float:
     )
     problem = build_problem(design_of(run, setting))
     l0 = problem.design.published.mean_edge_length or problem.mesh.mean_edge_length
-    stretch = float(problem.stiffness.stretch.min())
-    bend = float(problem.stiffness.bending.min())
+    stretch = float(problem.model.stretch_stiffness.min())
+    bend = float(problem.model.bending_stiffness.min())
     return stretch / bend * (problem.design.layers[0].thickness / l0) ** 2
 
 

@@ -188,7 +188,7 @@ def _exchange_row(outcome: Outcome) -> Row:
         gradient = softer.evaluate(x, 1)[1]
         assert gradient is not None  # noqa: S101  order 1 gives it
         force = float(np.abs(gradient.reshape(-1, 3)[free]).max())
-        ours = force / (0.1 * single.force_scale)
+        ours = force / (0.1 * single.model.force_scale)
     return judged(
         "factor-exchange",
         "A: k_s × 10 or k_b ÷ 10 give the same equilibrium",

@@ -20,6 +20,9 @@ from sheetmorph.solve.system import System
 
 Floats = NDArray[np.float64]
 
+DIFFERENCE = 1e-4
+"""Part of a leg over which forces are differenced where they are not linear along it."""
+
 
 class Status(StrEnum):
     """How a path ended."""
@@ -308,14 +311,21 @@ def _tangent(
 ) -> Floats:
     """dx/ds at an equilibrium: the response to the change of the forces along the leg.
 
-    At fixed positions the forces are linear in both fractions, so one more gradient gives
-    their derivative exactly. The factor at hand is that of the last Newton step, a little way
-    off; two corrections with the Hessian applied by differences of gradients make up for it,
-    for a tenth of the price of a factorisation. Cubic prediction needs tangents this good.
+    Where the forces at fixed positions are linear in both fractions, one more gradient gives
+    their derivative exactly; elsewhere a central difference does. The factor at hand is that of
+    the last Newton step, a little way off; two corrections with the Hessian applied by
+    differences of gradients make up for it, for a tenth of the price of a factorisation. Cubic prediction needs tangents this good.
     """
-    further = here.at(ramp + (second.ramp - first.ramp), load + (second.load - first.load))
     x, now = found.x, found.gradient
-    rate = further.gradient(x)[1] - now
+    rise, drop = second.ramp - first.ramp, second.load - first.load
+    if here.linear_in_ramp:
+        rate = here.at(ramp + rise, load + drop).gradient(x)[1] - now
+    else:
+        ahead, behind = (
+            here.at(ramp + part * rise, load + part * drop).gradient(x)[1]
+            for part in (DIFFERENCE, -DIFFERENCE)
+        )
+        rate = (ahead - behind) / (2.0 * DIFFERENCE)
     tangent = -here.solve(rate)
     for _ in range(2):
         largest = float(np.abs(tangent).max())

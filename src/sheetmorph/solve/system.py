@@ -17,7 +17,11 @@ Floats = NDArray[np.float64]
 
 
 class Energy(Protocol):
-    """A function of all degrees of freedom with derivatives, along a loading path."""
+    """A function of all degrees of freedom with derivatives, along a loading path.
+
+    An energy whose gradient at fixed x is not linear in ramp and load has an attribute
+    `linear_in_ramp` that is False.
+    """
 
     @property
     def pattern(self) -> SymmetricPattern:
@@ -66,6 +70,11 @@ class System:
     def at(self, ramp: float, load: float) -> System:
         """The same system at another point of the path."""
         return replace(self, energy=self.energy.at(ramp, load))
+
+    @property
+    def linear_in_ramp(self) -> bool:
+        """True when the forces at fixed positions are linear along the path; see `Energy`."""
+        return bool(getattr(self.energy, "linear_in_ramp", True))
 
     def value(self, x: Floats) -> float:
         """Energy alone."""

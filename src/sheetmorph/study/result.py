@@ -36,10 +36,13 @@ class Result:
         thermal_strain_full: eigenstrain of the edges at full actuation, shape (E,).
         edge_in_pattern: edges whose midpoint lies in the pattern, shape (E,).
         triangle_in_pattern: triangles whose centroid lies in the pattern, shape (T,).
-        stretch_stiffness: K of every edge [J], shape (E,).
-        bending_stiffness: k_b of every hinge [J], shape (H,).
-        coupling: natural dihedral angle per strain mismatch of every hinge, shape (H,).
+        stretch_stiffness: K of every edge [J], shape (E,); empty for the laminate model.
+        bending_stiffness: k_b of every hinge [J], shape (H,); empty for the laminate model.
+        coupling: natural dihedral angle per strain mismatch of every hinge, shape (H,); empty
+            for the laminate model.
         held_nodes: indices of the nodes that supports hold, shape (N,).
+        scalars: scalar unknowns of every state [m], shape (S, n): turns of the directors of the
+            laminate model times the mean edge length; n = 0 for the published one.
         summary: the numbers of `summary.json`.
     """
 
@@ -56,6 +59,7 @@ class Result:
     bending_stiffness: Floats
     coupling: Floats
     held_nodes: NDArray[np.intp]
+    scalars: Floats
     summary: dict[str, Any] = field(default_factory=dict)
 
     @classmethod
@@ -151,24 +155,37 @@ class Result:
 
     @cached_property
     def stretch_energy_density(self) -> Floats:
-        """Stretching energy of the edges per area of the flat sheet [J/m²], shape (S, E).
+        """Stretching energy per area of the flat sheet [J/m²], shape (S, E).
 
-        The area of an edge is a third of that of the triangles beside it.
+        The area of an edge is a third of that of the triangles beside it. With the laminate
+        model it is that of the triangles, shape (S, T), see `energy.laminate_fields`.
         """
+        if self.design.laminate:
+            return self._laminate_densities[0]
         mismatch = self.strain - self.thermal_strain
         return np.asarray(0.5 * self.stretch_stiffness * mismatch**2 / self.mesh.edge_areas)
 
     @cached_property
     def bend_energy_density(self) -> Floats:
-        """Bending energy of the hinges per area of the flat sheet [J/m²], shape (S, H).
+        """Bending energy per area of the flat sheet [J/m²], shape (S, H).
 
-        The area of a hinge is a third of that of its two triangles.
+        The area of a hinge is a third of that of its two triangles. With the laminate model it
+        is that of the triangles, shape (S, T).
         """
+        if self.design.laminate:
+            return self._laminate_densities[1]
         mismatch = self.strain - self.thermal_strain
         ac, ad, bc, bd = (mismatch[:, self.mesh.hinge_edges[:, k]] for k in range(1, 5))
         angle = self.dihedral - self.coupling * (ac - ad + bc - bd)
         areas = self.mesh.edge_areas[self.mesh.hinge_edges[:, 0]]
         return np.asarray(0.5 * self.bending_stiffness * angle**2 / areas)
+
+    @cached_property
+    def _laminate_densities(self) -> tuple[Floats, Floats]:
+        from sheetmorph.study.laminate_model import energy_densities, laminate_shell
+
+        shell = laminate_shell(self.design, self.mesh, self.regions)
+        return energy_densities(shell, self.positions, self.scalars, self.ramp)
 
     @cached_property
     def mean_curvature(self) -> Floats:

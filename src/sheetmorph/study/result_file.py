@@ -24,8 +24,14 @@ FIELDS: dict[str, tuple[str, str]] = {
     "dihedral": ("rad", "signed dihedral angle θ, per state and hinge"),
     "strain": ("1", "edge strain e = l/l0 − 1, per state and edge"),
     "thermal_strain": ("1", "eigenstrain eth, per state and edge"),
-    "stretch_energy_density": ("J/m^2", "stretching energy per area, per state and edge"),
-    "bend_energy_density": ("J/m^2", "bending energy per area, per state and hinge"),
+    "stretch_energy_density": (
+        "J/m^2",
+        "stretching energy per area, per state and edge (laminate: triangle)",
+    ),
+    "bend_energy_density": (
+        "J/m^2",
+        "bending energy per area, per state and hinge (laminate: triangle)",
+    ),
     "height": ("m", "height z, per state and node"),
     "mean_curvature": ("1/m", "mean curvature, per state and node"),
     "gaussian_curvature": ("1/m^2", "Gaussian curvature, per state and node"),
@@ -34,6 +40,7 @@ FIELDS: dict[str, tuple[str, str]] = {
 """Derived fields: written for other programs, computed anew when read."""
 
 _STATES = ("positions", "ramp", "load_fraction", "residual")
+_SCALARS = "states/scalars"
 _MODEL = (
     "thermal_strain_full",
     "edge_in_pattern",
@@ -68,6 +75,7 @@ def write_result(result: Result, path: Path) -> None:
                     _write(file, f"mesh/{name}", getattr(result.mesh, name))
                 for name in _STATES:
                     _write(file, f"states/{name}", getattr(result, name))
+                _write(file, _SCALARS, result.scalars)
                 for name in _MODEL:
                     _write(file, f"model/{name}", getattr(result, name))
                 for name, (unit, text) in FIELDS.items():
@@ -112,6 +120,9 @@ def read_result(path: Path) -> dict[str, Any]:
             }
             parts |= {name: _read(file, f"states/{name}") for name in _STATES}
             parts |= {name: _read(file, f"model/{name}") for name in _MODEL}
+            # Files of the first version have no scalar unknowns.
+            none = np.zeros((len(parts["ramp"]), 0))
+            parts["scalars"] = _read(file, _SCALARS) if _SCALARS in file else none
     except InputError:
         raise
     except (OSError, RuntimeError, KeyError, ValueError, TypeError, AttributeError) as error:
@@ -134,6 +145,8 @@ def _check_shapes(parts: dict[str, Any], path: Path) -> None:
     mesh = parts["mesh"]
     v, e, t, h = (len(mesh[name]) for name in ("nodes", "edges", "triangles", "hinges"))
     s = len(parts["ramp"])
+    laminate = parts["summary"].get("model") == "laminate"
+    scalars = -(-e // 3) * 3 if laminate else 0
     expected: dict[str, tuple[int, ...]] = {
         "positions": (s, v, 3),
         "ramp": (s,),
@@ -142,9 +155,10 @@ def _check_shapes(parts: dict[str, Any], path: Path) -> None:
         "thermal_strain_full": (e,),
         "edge_in_pattern": (e,),
         "triangle_in_pattern": (t,),
-        "stretch_stiffness": (e,),
-        "bending_stiffness": (h,),
-        "coupling": (h,),
+        "stretch_stiffness": (0 if laminate else e,),
+        "bending_stiffness": (0 if laminate else h,),
+        "coupling": (0 if laminate else h,),
+        "scalars": (s, scalars),
         "held_nodes": parts["held_nodes"].shape[:1],
     }
     shapes = {name: parts[name].shape for name in expected}

@@ -59,7 +59,7 @@ def simulate(
     on_event(Started(design.name))
     problem = build_problem(design)
     options = _path_options(problem)
-    x0 = problem.mesh.nodes.ravel().copy()
+    x0 = problem.start
     known = [start_of_path(x0, WAYPOINTS, options)]
     if resume and journal is not None:
         known = journal.read(design.hash, x0.size)
@@ -131,7 +131,7 @@ def _path_options(problem: Problem) -> PathOptions:
 
 
 def _result(problem: Problem, path: Path, system: System, solver: str) -> Result:
-    positions = np.array([state.x.reshape(-1, 3) for state in path.states])
+    positions = np.array([problem.positions(state.x) for state in path.states])
     if not len(problem.held_nodes):
         positions = align_to_reference(positions, problem.mesh.nodes)
     final = path.states[-1]
@@ -176,10 +176,11 @@ def _result(problem: Problem, path: Path, system: System, solver: str) -> Result
         thermal_strain_full=problem.thermal_strain,
         edge_in_pattern=problem.regions.edge_in_pattern,
         triangle_in_pattern=problem.regions.triangle_in_pattern,
-        stretch_stiffness=problem.stiffness.stretch,
-        bending_stiffness=problem.stiffness.bending,
-        coupling=problem.coupling,
+        stretch_stiffness=problem.model.stretch_stiffness,
+        bending_stiffness=problem.model.bending_stiffness,
+        coupling=problem.model.coupling,
         held_nodes=problem.held_nodes,
+        scalars=np.array([state.x[problem.mesh.nodes.size :] for state in path.states]),
         summary=summary,
     )
 

@@ -1,0 +1,82 @@
+"""The energy of the laminate model for a design on its mesh, and what it says of a state."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from sheetmorph.design.actuation import triangle_eigenstrain
+from sheetmorph.design.laminate import LayerStack
+from sheetmorph.design.regions import Regions
+from sheetmorph.design.sections import EVERYWHERE
+from sheetmorph.design.spec import Design
+from sheetmorph.energy.laminate import LaminateShell
+from sheetmorph.energy.laminate_fields import energy_parts
+from sheetmorph.energy.laminate_patch import Patch
+from sheetmorph.energy.lamination import Lamination, Layup
+from sheetmorph.energy.shape_measures import ShapeMeasures
+from sheetmorph.geometry.mesh import Floats, SheetMesh
+from sheetmorph.study.parts import ModelParts
+
+
+def laminate_shell(design: Design, mesh: SheetMesh, region: Regions) -> LaminateShell:
+    """The layered triangles of a design.
+
+    Raises:
+        InputError: actuation, pattern and mesh do not fit together.
+    """
+    patch = Patch.of(mesh, mesh.mean_edge_length)
+    measures = ShapeMeasures.of(mesh.nodes, patch, mesh.triangle_frames)
+    lamination = Lamination(
+        measures=measures,
+        cells=region.triangle_cell,
+        layups=tuple(_layup(design, cell.parts, cell.stack) for cell in region.cells),
+        eigenstrains=triangle_eigenstrain(design, mesh, region),
+        thickening=design.spec.laminate.thickening == "volume_conserved",
+    )
+    return LaminateShell.of(patch, lamination)
+
+
+def _layup(design: Design, parts: tuple[str, ...], stack: LayerStack) -> Layup:
+    """The stack of a cell; its layers that lie everywhere carry the reference surface."""
+    places = [layer.where for layer in design.layers if layer.where in (EVERYWHERE, *parts)]
+    return Layup(
+        stack.thicknesses,
+        stack.young_moduli,
+        stack.poisson_ratios,
+        stack.eigenstrain_factors,
+        np.array([place == EVERYWHERE for place in places], dtype=np.bool_),
+    )
+
+
+def laminate_parts(design: Design, mesh: SheetMesh, region: Regions) -> ModelParts:
+    """Layered triangles with directors on their sides.
+
+    Raises:
+        InputError: as for `laminate_shell`.
+    """
+    shell = laminate_shell(design, mesh, region)
+    rigidity = max(cell.stack.flexural_rigidity for cell in region.cells)
+    membrane = max(cell.stack.membrane_stiffness for cell in region.cells)
+    return ModelParts(
+        terms=(shell,),
+        held_scalars=shell.patch.held,
+        force_scale=rigidity / mesh.mean_edge_length,
+        stretch_force=membrane * float(mesh.edge_lengths.max()),
+    )
+
+
+def energy_densities(
+    shell: LaminateShell, positions: Floats, scalars: Floats, ramp: Floats
+) -> tuple[Floats, Floats]:
+    """Stretching and bending energy per area of the flat sheet [J/m²], shape (S, T) each.
+
+    Args:
+        shell: the layered triangles of the design.
+        positions: of the states [m], shape (S, V, 3).
+        scalars: their scalar unknowns [m], shape (S, n).
+        ramp: their fractions of the actuation, shape (S,).
+    """
+    states = np.concatenate([positions.reshape(len(positions), -1), scalars], axis=1)
+    parts = [energy_parts(shell.at(float(t), 0.0), x) for t, x in zip(ramp, states, strict=True)]
+    areas = shell.lamination.measures.areas
+    return np.array([s for s, _ in parts]) / areas, np.array([b for _, b in parts]) / areas
