@@ -163,6 +163,8 @@ _EXAMPLES: dict[str, str] = {
     "pressure": "GPa",
     "density": "kg/m^3",
     "force": "N",
+    "force per length": "N/m",
+    "acceleration": "m/s^2",
     "temperature": "degC",
     "angle": "deg",
     "time": "s",

@@ -21,7 +21,16 @@ if TYPE_CHECKING:
     from pint import UnitRegistry
 
 Kind = Literal[
-    "length", "pressure", "density", "force", "temperature", "angle", "time", "dimensionless"
+    "length",
+    "pressure",
+    "density",
+    "force",
+    "force per length",
+    "acceleration",
+    "temperature",
+    "angle",
+    "time",
+    "dimensionless",
 ]
 
 MAX_CHARACTERS = 80
@@ -31,6 +40,8 @@ _SI_UNITS: dict[str, str] = {
     "pressure": "Pa",
     "density": "kg/m^3",
     "force": "N",
+    "force per length": "N/m",
+    "acceleration": "m/s^2",
     "temperature": "K",
     "angle": "rad",
     "time": "s",
@@ -42,13 +53,19 @@ _EXAMPLES: dict[str, str] = {
     "pressure": "0.9 MPa",
     "density": "1050 kg/m^3",
     "force": "9.81e-7 N",
+    "force per length": "0.8 N/m",
+    "acceleration": "9.81 m/s^2",
     "temperature": "150 degC",
     "angle": "45 deg",
     "time": "5 min",
     "dimensionless": "0.33",
 }
 
-_ARTICLES: dict[str, str] = {"angle": "an angle", "dimensionless": "a number without unit"}
+_ARTICLES: dict[str, str] = {
+    "acceleration": "an acceleration",
+    "angle": "an angle",
+    "dimensionless": "a number without unit",
+}
 
 _DEFINITIONS = """
 nano- = 1e-9 = n-
@@ -97,8 +114,8 @@ def to_si(value: object, kind: Kind) -> float:
     Args:
         value: text of a number and a unit, such as `"0.3 mm"`. A `dimensionless`
             quantity may also be a plain number, or a percentage such as `"-30 %"`.
-        kind: what is wanted; decides the unit of the answer (m, Pa, kg/m³, N, K, rad,
-            s, or none).
+        kind: what is wanted; decides the unit of the answer (m, Pa, kg/m³, N, N/m, m/s², K,
+            rad, s, or none).
 
     Raises:
         InputError: no number with a unit of that kind, or not finite.

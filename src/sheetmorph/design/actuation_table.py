@@ -132,3 +132,7 @@ class Actuation(Section):
                 key="centre",
                 allowed='with direction = "radial" or profile = "radial"',
             )
+
+
+NO_ACTUATION = Actuation(eps_pre=0.0)
+"""What a design has that says nothing: loads alone move its sheet."""

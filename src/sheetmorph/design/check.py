@@ -15,10 +15,16 @@ from sheetmorph.design.laminate import (
     published_stiffness,
     total_mass,
 )
+from sheetmorph.design.loads import load_forces
 from sheetmorph.design.meshing import hinge_orientation
 from sheetmorph.design.regions import Regions, regions
 from sheetmorph.design.sections import EVERYWHERE
-from sheetmorph.design.supports import held_nodes, perturbation_forces
+from sheetmorph.design.supports import (
+    directed_edges,
+    held_components,
+    held_nodes,
+    perturbation_forces,
+)
 from sheetmorph.geometry.mesh import SheetMesh
 
 if TYPE_CHECKING:
@@ -48,7 +54,8 @@ def describe(design: Design, mesh: SheetMesh | None = None) -> dict[str, Any]:
     mesh = design.build_mesh() if mesh is None else mesh
     region = regions(design, mesh)
     strain = thermal_strain(design, mesh, region)
-    held = held_nodes(design, mesh, region)
+    held = held_components(design, mesh, region)
+    loads = load_forces(design, mesh, region)
     forces = perturbation_forces(design, mesh)
     report = {
         "name": design.name,
@@ -70,8 +77,14 @@ def describe(design: Design, mesh: SheetMesh | None = None) -> dict[str, Any]:
             "strain_range": [float(strain.min()), float(strain.max())],
         },
         "supports": {
-            "held_nodes": len(held),
-            "free_dofs": 3 * (len(mesh.nodes) - len(held)) - (0 if len(held) else 6),
+            "held_nodes": int(held.any(axis=1).sum()),
+            "free_dofs": int((~held).sum()) - (0 if held.any() else 6),
+            "directed_edges": len(directed_edges(design, mesh, region)[0]),
+        },
+        "loads": {
+            "count": len(design.loads),
+            "net_force": loads.sum(axis=0).tolist(),
+            "total_force": float(np.linalg.norm(loads, axis=1).sum()),
         },
         "perturbation": {
             "shape": design.perturbation.shape,
@@ -141,11 +154,17 @@ def format_description(report: dict[str, Any]) -> str:
     far = "everywhere" if reach is None else f"reached {_mm(reach)} from the pattern"
     held = support["held_nodes"]
     holds = f"{held} nodes held" if held else "free sheet, rigid motions removed"
-    push = report["perturbation"]
+    holds += f", {support['directed_edges']} edges clamped" if support["directed_edges"] else ""
+    push, load = report["perturbation"], report["loads"]
+    net = ", ".join(f"{part + 0.0:.3g}" for part in load["net_force"])
     lines += [
         _row("mass", f"{1e3 * report['mass']:.4g} g"),
         _row("actuation", f"eps_pre {actuation['eps_pre']:+.4g}{at}, {far}"),
         _row("supports", f"{holds}, {support['free_dofs']} degrees of freedom"),
+        *(
+            [_row("loads", f"{load['total_force']:.3g} N in all, net ({net}) N")]
+            * bool(load["count"])
+        ),
         _row("perturbation", f"{push['shape']}, {push['total_force']:.3g} N in all"),
     ]
     return "\n".join([*lines, *(_row("warning", warning) for warning in report["warnings"])])
@@ -250,6 +269,6 @@ def _warnings(design: Design, mesh: SheetMesh, report: dict[str, Any]) -> list[s
         found.append("slits are not opened in a mesh from a file; its own edges decide")
     if design.spec.mesh.symmetry != "none" and not _symmetric_supports(design, mesh):
         found.append("the supports do not have the symmetry of the mesh, so the shape will not")
-    if report["actuation"]["eps_pre"] == 0:
+    if report["actuation"]["eps_pre"] == 0 and not design.loads:
         found.append("eps_pre is 0, so the sheet stays flat")
     return found

@@ -19,9 +19,10 @@ _NOT_HASHED: dict[str, Any] = {
     "solver": {"max_steps": True, "time_limit": True},
 }
 _LATER: dict[str, tuple[str, ...]] = {
-    "": ("laminate",),
+    "": ("laminate", "loads"),
     "layers": ("eigenstrain_factor",),
     "actuation": ("under_pattern", "transverse", "direction", "centre", "radial_profile"),
+    "supports": ("hold", "z", "clamp"),
 }
 """Keys that came after the first release, by table: with their default they leave no trace, so
 that the hashes of designs without them stay what they were."""

@@ -10,7 +10,7 @@ from pydantic import ValidationError
 from sheetmorph.core.errors import InputError, nearest
 from sheetmorph.design.fields import NAME_ALLOWED, PROBLEM
 
-_TAGGED = ("outline", "pattern", "supports")
+_TAGGED = ("outline", "pattern", "supports", "loads")
 
 _SIMPLE: dict[str, str] = {
     "int_type": "must be a whole number",

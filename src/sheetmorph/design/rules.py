@@ -6,9 +6,10 @@ from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
 from sheetmorph.core.errors import nearest
-from sheetmorph.design import actuation_table
+from sheetmorph.design import actuation_table, support_tables
 from sheetmorph.design.fields import Section, problem
-from sheetmorph.design.sections import EVERYWHERE, FreeSupport
+from sheetmorph.design.sections import EVERYWHERE
+from sheetmorph.design.support_tables import FreeSupport, SymmetrySupport
 
 if TYPE_CHECKING:
     from sheetmorph.design.schema import DesignSchema
@@ -40,6 +41,13 @@ def _of_laminate(design: DesignSchema) -> Iterator[tuple[str, object]]:
     if design.actuation.whole_sheet:
         yield "actuation.profile", design.actuation.profile
     yield from _given(design.actuation, actuation_table.OF_LAMINATE, "actuation")
+    for index, support in enumerate(design.supports):
+        key = f"supports[{index}]"
+        if isinstance(support, SymmetrySupport):
+            yield f"{key}.kind", support.kind
+        yield from _given(support, support_tables.OF_LAMINATE, key)
+    for index, load in enumerate(design.loads):
+        yield f"loads[{index}].kind", load.kind
 
 
 def _given(table: Section, keys: tuple[str, ...], name: str) -> Iterator[tuple[str, object]]:
@@ -67,8 +75,7 @@ def check_layers(design: DesignSchema) -> None:
             )
         if layer.where != EVERYWHERE:
             _check_where(design, layer, parts, key)
-    if not any(layer.role == "active" for layer in design.layers):
-        raise problem("no layer is active, so nothing moves", key="layers", allowed="role = active")
+    _check_active(design)
     if not any(layer.where == EVERYWHERE for layer in design.layers):
         raise problem(
             "no layer lies everywhere, so the sheet is nothing beside its parts",
@@ -78,6 +85,22 @@ def check_layers(design: DesignSchema) -> None:
     for part in parts:
         if not any(layer.where == part for layer in design.layers):
             raise problem(f"no layer has where = {part}, so it is made of nothing", key="pattern")
+
+
+def _check_active(design: DesignSchema) -> None:
+    """Something must move the sheet: active layers and an actuation, or loads."""
+    if not design.loads and "actuation" not in design.model_fields_set:
+        raise problem("is required, unless the design has loads", key="actuation")
+    if any(layer.role == "active" for layer in design.layers):
+        return
+    if not design.loads:
+        raise problem("no layer is active, so nothing moves", key="layers", allowed="role = active")
+    if design.actuation != actuation_table.NO_ACTUATION:
+        raise problem(
+            "no layer is active, so nothing is actuated; remove the table, or give a layer the "
+            "role active",
+            key="actuation",
+        )
 
 
 def _check_where(design: DesignSchema, layer: Layer, parts: list[str], key: str) -> None:

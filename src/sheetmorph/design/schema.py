@@ -8,9 +8,10 @@ from typing import Annotated, Literal, Self
 
 from pydantic import Field, model_validator
 
-from sheetmorph.design.actuation_table import Actuation
+from sheetmorph.design.actuation_table import NO_ACTUATION, Actuation
 from sheetmorph.design.fields import MAX_NAME, NAME_PATTERN, Section, problem
 from sheetmorph.design.layout import Layout, lay_out
+from sheetmorph.design.load_tables import Load
 from sheetmorph.design.outlines import Outline, PatternShape
 from sheetmorph.design.rules import check_layers, check_model, check_supports
 from sheetmorph.design.sections import (
@@ -21,8 +22,8 @@ from sheetmorph.design.sections import (
     Perturbation,
     PublishedOptions,
     SolverOptions,
-    Support,
 )
+from sheetmorph.design.support_tables import Support
 
 MAX_LAYERS = 20
 MAX_SHAPES = 500
@@ -39,8 +40,9 @@ class DesignSchema(Section):
     outline: Outline
     pattern: Annotated[tuple[PatternShape, ...], Field(max_length=MAX_SHAPES)] = ()
     layers: Annotated[tuple[Layer, ...], Field(min_length=1, max_length=MAX_LAYERS)]
-    actuation: Actuation
+    actuation: Actuation = NO_ACTUATION
     supports: Annotated[tuple[Support, ...], Field(max_length=100)] = ()
+    loads: Annotated[tuple[Load, ...], Field(max_length=100)] = ()
     perturbation: Perturbation = Perturbation()
     mesh: MeshSource
     published: PublishedOptions = PublishedOptions()

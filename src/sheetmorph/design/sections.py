@@ -10,7 +10,6 @@ from sheetmorph.core.errors import InputError
 from sheetmorph.design.fields import (
     FileName,
     Flag,
-    Interval,
     Number,
     Quantity,
     Section,
@@ -73,40 +72,6 @@ class Layer(Section):
                 allowed='such as "2.7 MPa", or material = "PLA"',
             )
         return data
-
-
-class BoxSupport(Section):
-    """Holds every node in a box; `pattern_in_box` only those in the pattern too."""
-
-    kind: Literal["box", "pattern_in_box"]
-    x: Interval
-    y: Interval
-
-    @model_validator(mode="after")
-    def _ordered(self) -> Self:
-        for key, interval in (("x", self.x), ("y", self.y)):
-            if interval[0] > interval[1]:
-                raise problem("write the smaller coordinate first", key=key)
-        return self
-
-
-class NodeSupport(Section):
-    """Holds the nodes with these indices (counted from 0)."""
-
-    kind: Literal["nodes"]
-    nodes: Annotated[
-        tuple[Annotated[Whole, Field(ge=0, le=2_000_000)], ...],
-        Field(min_length=1, max_length=100_000),
-    ]
-
-
-class FreeSupport(Section):
-    """Holds nothing: the six rigid motions are removed instead. Same as no support."""
-
-    kind: Literal["free"]
-
-
-Support = Annotated[BoxSupport | NodeSupport | FreeSupport, Field(discriminator="kind")]
 
 
 class Perturbation(Section):

@@ -21,7 +21,7 @@ from sheetmorph.design.messages import to_input_error
 if TYPE_CHECKING:
     from shapely import MultiPolygon, Polygon
 
-    from sheetmorph.design import outlines, sections
+    from sheetmorph.design import load_tables, outlines, sections, support_tables
     from sheetmorph.design.actuation_table import Actuation
     from sheetmorph.design.layout import InertPart, Layout
     from sheetmorph.design.shrinkage import ShrinkCurve
@@ -152,9 +152,14 @@ class Design:
         return self.spec.actuation
 
     @property
-    def supports(self) -> tuple[sections.Support, ...]:
+    def supports(self) -> tuple[support_tables.Support, ...]:
         """The tables `supports`; empty for a free sheet."""
         return self.spec.supports
+
+    @property
+    def loads(self) -> tuple[load_tables.Load, ...]:
+        """The tables `loads`."""
+        return self.spec.loads
 
     @property
     def perturbation(self) -> sections.Perturbation:

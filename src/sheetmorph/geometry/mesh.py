@@ -58,6 +58,19 @@ class SheetMesh:
         return order[np.searchsorted(keys[order], wanted)].astype(np.int32)
 
     @cached_property
+    def rim_edges(self) -> Ints:
+        """Indices of the edges that one triangle alone has, slits included, shape (B,)."""
+        beside = np.bincount(self.triangle_edges.ravel(), minlength=len(self.edges))
+        return np.flatnonzero(beside == 1).astype(np.int32)
+
+    @cached_property
+    def rim_triangles(self) -> Ints:
+        """The triangle of each edge of the rim, shape (B,)."""
+        triangle = np.zeros(len(self.edges), dtype=np.int32)
+        triangle[self.triangle_edges] = np.arange(len(self.triangles), dtype=np.int32)[:, None]
+        return np.asarray(triangle[self.rim_edges])
+
+    @cached_property
     def edge_areas(self) -> Floats:
         """A third of the area of the triangles beside each edge [m²], shape (E,)."""
         thirds = np.repeat(self.triangle_areas / 3.0, 3)
