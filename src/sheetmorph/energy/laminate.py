@@ -19,9 +19,9 @@ class LaminateShell:
     W = ½ (p − p̄)ᵀ M (p − p̄) + w of the six shape measures p of a triangle: the squared
     lengths l_i² of its sides, which are its first fundamental form a, and β_i = 2 h_i α_i,
     which are its second, b = −Σ β_i ∇λ_i ⊗ ∇λ_i. h_i is the altitude upon side i, and α_i the
-    angle by which the surface normal at the middle of the side leans out of the triangle:
-    half the dihedral angle θ_i and the turn φ_i of the side's director, which is an unknown of
-    its own; it makes b converge on any mesh, as Morley's triangle does for plates.
+    angle by which the surface normal at the middle of the side leans out of the triangle. This
+    director is an unknown of its own, common to both triangles of an edge; it makes b converge on
+    any mesh, as Morley's triangle does for plates.
 
     Attributes:
         patch: nodes, unknowns and sides of the triangles.

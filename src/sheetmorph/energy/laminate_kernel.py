@@ -6,14 +6,14 @@ n normal of the triangle, m = n × u inward; beyond the side n', m' and altitude
 the feet of the altitudes as fractions of the side, L its length.
 
 The dihedral angle θ of a side changes by dθ = −(n·w)/h − (n'·w')/h', the altitude by dh = m·w,
-with w = dc − (1 − s) da − s db, w' likewise, and δ = db − da. With α = k θ + σ φ (k the share
-of the dihedral angle that the side's normal takes, σ φ the turn of its director),
+with w = dc − (1 − s) da − s db, w' likewise, and δ = db − da. With α = k θ + σ ψ (k is 0 or 1,
+σ ψ the turn of the side's director, see `Patch`),
 
-    ½ dβ  = α (m·w) − k (n·w) − k (h/h') (n'·w') + σ h dφ
+    ½ dβ  = α (m·w) − k (n·w) − k (h/h') (n'·w') + σ h dψ
     ½ d²β = α [(n·w)²/h − 2 (u·w)(m·δ)/L − h (m·δ)²/L²]
           + k [2 (u·w)(n·δ)/L + h (m·δ)(n·δ)/L²] − 2 (k/h') (m·w)(n'·w')
           + k h [2 (m'·w')(n'·w')/h'² + 2 (u·w')(n'·δ)/(L h') + (m'·δ)(n'·δ)/L²]
-          + 2 σ (m·w) dφ.
+          + 2 σ (m·w) dψ.
 
 A side on the rim whose normal is prescribed has a flap in the place of the triangle beyond: a
 vector f from its middle. Then d = (a + b)/2 + f, whose changes w' takes from a and b.
@@ -26,9 +26,6 @@ import math
 import numpy as np
 
 from sheetmorph.core.compiled import kernel
-
-FREE, FLAP = 0.0, 1.0
-"""Shares of the dihedral angle that a rim's normal takes; between two triangles it is 1/2."""
 
 
 @kernel
@@ -57,7 +54,7 @@ def laminate_local(  # type: ignore[no-untyped-def]
         x: rows of three degrees of freedom [m].
         stencil: shape (T, 6).
         directors: degrees of freedom of the directors, shape (T, 3).
-        share: k of each side, shape (T, 3).
+        share: k of each side, 0 or 1, shape (T, 3).
         turn: σ over the director length [1/m], shape (T, 3).
         flap: f of each side that has one [m], shape (T, 3, 3).
         stiffness: M, shape (T, 6, 6).
@@ -72,6 +69,8 @@ def laminate_local(  # type: ignore[no-untyped-def]
     force = np.empty(6)
     frame = np.empty((3, 4, 3))
     number = np.empty((3, 8))
+    pulled = np.empty((6, 3, 3))
+    tensor = np.empty((6, 3, 3))
     for i in range(start, stop):
         k = i - start
         nx, ny, nz = _measure(
@@ -92,13 +91,11 @@ def laminate_local(  # type: ignore[no-untyped-def]
             a, b = (j + 1) % 3, (j + 2) % 3
             h, s, part, alpha = number[j, 1], number[j, 2], number[j, 3], number[j, 6]
             by_turn[j] = 2.0 * h * turn[i, j]
-            across, past = 0.0, 0.0
+            across, past, flapped = 0.0, 0.0, 0.0
             if part != 0.0:
                 across = -2.0 * part * h / number[j, 4]
-                past = number[j, 5]
-            wa, wb = past - 1.0, -past
-            if part == 1.0:
-                wa, wb = wa + 0.5, wb + 0.5
+                past, flapped = number[j, 5], number[j, 7]
+            wa, wb = past - 1.0 + 0.5 * flapped, 0.5 * flapped - past
             normal = (nx, ny, nz)
             for c in range(3):
                 own[j, j, c] = 0.0
@@ -109,7 +106,7 @@ def laminate_local(  # type: ignore[no-untyped-def]
                 own[3 + j, j, c] = w
                 own[3 + j, a, c] = (s - 1.0) * w + wa * w2
                 own[3 + j, b, c] = -s * w + wb * w2
-                beyond[j, c] = w2 if part != 1.0 else 0.0
+                beyond[j, c] = (1.0 - flapped) * w2
         for p in range(3):
             for c in range(3):
                 value = 0.0
@@ -120,13 +117,13 @@ def laminate_local(  # type: ignore[no-untyped-def]
             grad[k, 6, p] = force[3 + p] * by_turn[p]
         if order < 2:
             continue
-        _products(hess, k, stiffness[i], own, beyond, by_turn)
+        _products(hess, k, i, stiffness, own, beyond, by_turn, pulled)
         for j in range(3):
             _length_hessian(hess, k, force[j], j, order)
         if order == 3:
             continue
         for j in range(3):
-            _bending_hessian(hess, k, j, 2.0 * force[3 + j], number[j], frame[j], (nx, ny, nz))
+            _bending_hessian(hess, k, j, 2.0 * force[3 + j], number, frame, (nx, ny, nz), tensor)
             for c in range(3):
                 value = 2.0 * force[3 + j] * turn[i, j] * frame[j, 1, c]
                 s = number[j, 2]
@@ -142,15 +139,14 @@ def _pair(p, q):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def _products(hess, k, stiffness, own, beyond, by_turn):  # type: ignore[no-untyped-def]
+def _products(hess, k, i, stiffness, own, beyond, by_turn, pulled):  # type: ignore[no-untyped-def]
     """Write Σ M_pq ∇p ∇qᵀ into all blocks: the part without second derivatives."""
-    pulled = np.empty((6, 3, 3))
     for p in range(6):
         for node in range(3):
             for c in range(3):
                 value = 0.0
                 for q in range(6):
-                    value += stiffness[p, q] * own[q, node, c]
+                    value += stiffness[i, p, q] * own[q, node, c]
                 pulled[p, node, c] = value
     for p in range(3):
         for q in range(p, 3):
@@ -168,18 +164,18 @@ def _products(hess, k, stiffness, own, beyond, by_turn):  # type: ignore[no-unty
                 for c in range(3):
                     hess[k, block, r, c] = value * beyond[j, c]
                 hess[k, last, r, j] = value * by_turn[j]
-    for i in range(3):
-        last = _pair(3 + i, 6)
+    for g in range(3):
+        last = _pair(3 + g, 6)
         for j in range(3):
-            m = stiffness[3 + i, 3 + j]
-            if j >= i:
-                block = _pair(3 + i, 3 + j)
+            m = stiffness[i, 3 + g, 3 + j]
+            if j >= g:
+                block = _pair(3 + g, 3 + j)
                 for r in range(3):
                     for c in range(3):
-                        hess[k, block, r, c] = m * beyond[i, r] * beyond[j, c]
+                        hess[k, block, r, c] = m * beyond[g, r] * beyond[j, c]
             for r in range(3):
-                hess[k, last, r, j] = m * beyond[i, r] * by_turn[j]
-            hess[k, 27, i, j] = m * by_turn[i] * by_turn[j]
+                hess[k, last, r, j] = m * beyond[g, r] * by_turn[j]
+            hess[k, 27, g, j] = m * by_turn[g] * by_turn[j]
 
 
 @kernel
@@ -196,57 +192,63 @@ def _length_hessian(hess, k, force, j, order):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def _bending_hessian(hess, k, j, factor, number, frame, n):  # type: ignore[no-untyped-def]
-    """Add factor · ½ ∇²β of side j, but for the part with its director."""
-    length, h, s, part, alpha = number[0], number[1], number[2], number[3], number[6]
-    h2, past = 1.0, 0.0
-    if part != 0.0:
-        h2, past = number[4], number[5]
-    nodes = (j, (j + 1) % 3, (j + 2) % 3, 3 + j)
-    w = (1.0, s - 1.0, -s, 0.0)
-    w2 = (0.0, past - 1.0, -past, 1.0)
-    if part == 1.0:
-        w2 = (0.0, past - 0.5, 0.5 - past, 0.0)
-    delta = (0.0, -1.0, 1.0, 0.0)
-    ww = 2.0 * factor * alpha / h
-    wd_m, wd_n = -2.0 * factor * alpha / length, 2.0 * factor * part / length
-    dd_m, dd_n = -2.0 * factor * alpha * h / length**2, factor * part * h / length**2
-    w2w2 = 2.0 * factor * part / h2**2 * h
-    w2d = 2.0 * factor * part * h / (length * h2)
-    mixed = -2.0 * factor * part / h2
-    t = np.empty((7, 3, 3))
+def _bending_hessian(hess, k, j, factor, number, frame, n, t):  # type: ignore[no-untyped-def]
+    """Add factor · ½ ∇²β of side j, but for the part with its director; t is scratch."""
+    length, h, s, part, alpha = number[j, 0], number[j, 1], number[j, 2], number[j, 3], number[j, 6]
+    ww = factor * alpha / h
+    wd_m, wd_n = -factor * alpha / length, factor * part / length
+    dd_m, dd_n = -factor * alpha * h / length**2, 0.5 * factor * part * h / length**2
     for r in range(3):
-        ur, mr, m2r, n2r = frame[0, r], frame[1, r], frame[2, r], frame[3, r]
+        ur, mr = frame[j, 0, r], frame[j, 1, r]
         for c in range(3):
-            mc, m2c, n2c = frame[1, c], frame[2, c], frame[3, c]
+            mc = frame[j, 1, c]
             t[0, r, c] = ww * n[r] * n[c]
             t[1, r, c] = ur * (wd_m * mc + wd_n * n[c])
             t[2, r, c] = dd_m * mr * mc + dd_n * (mr * n[c] + n[r] * mc)
-            t[3, r, c] = 0.0
-            t[4, r, c] = 0.0
-            t[5, r, c] = 0.0
-            if part != 0.0:
-                t[2, r, c] += dd_n * (m2r * n2c + n2r * m2c)
-                t[3, r, c] = w2w2 * (m2r * n2c + n2r * m2c)
-                t[4, r, c] = w2d * ur * n2c
-                t[5, r, c] = mixed * mr * n2c
-    for first in range(4):
-        for second in range(first, 4):
+    own = (j, (j + 1) % 3, (j + 2) % 3, 3 + j)
+    w = (1.0, s - 1.0, -s, 0.0)
+    delta = (0.0, -1.0, 1.0, 0.0)
+    for first in range(3):
+        for second in range(first, 3):
             p, q = first, second
-            if nodes[p] > nodes[q]:
+            if own[p] > own[q]:
                 p, q = q, p
-            block = _pair(nodes[p], nodes[q])
-            a0, a1 = w[p] * w[q], w[p] * delta[q]
-            a2, a3 = delta[p] * w[q], delta[p] * delta[q]
-            b0, b1, b2 = w2[p] * w2[q], w2[p] * delta[q], delta[p] * w2[q]
+            block = _pair(own[p], own[q])
+            a0, a1, a2, a3 = w[p] * w[q], w[p] * delta[q], delta[p] * w[q], delta[p] * delta[q]
+            for r in range(3):
+                for c in range(3):
+                    hess[k, block, r, c] += (
+                        a0 * t[0, r, c] + a1 * t[1, r, c] + a2 * t[1, c, r] + a3 * t[2, r, c]
+                    )
+    if part == 0.0:
+        return
+    h2, past, flapped = number[j, 4], number[j, 5], number[j, 7]
+    w2 = (0.0, past - 1.0 + 0.5 * flapped, 0.5 * flapped - past, 1.0 - flapped)
+    w2w2 = factor * part * h / h2**2
+    w2d = factor * part * h / (length * h2)
+    mixed = -factor * part / h2
+    for r in range(3):
+        ur, mr, m2r, n2r = frame[j, 0, r], frame[j, 1, r], frame[j, 2, r], frame[j, 3, r]
+        for c in range(3):
+            n2c = frame[j, 3, c]
+            both = m2r * n2c + n2r * frame[j, 2, c]
+            t[2, r, c] = dd_n * both
+            t[3, r, c] = w2w2 * both
+            t[4, r, c] = w2d * ur * n2c
+            t[5, r, c] = mixed * mr * n2c
+    last = 3 if flapped else 4
+    for first in range(last):
+        for second in range(first, last):
+            p, q = first, second
+            if own[p] > own[q]:
+                p, q = q, p
+            block = _pair(own[p], own[q])
+            a3, b0, b1, b2 = delta[p] * delta[q], w2[p] * w2[q], w2[p] * delta[q], delta[p] * w2[q]
             b3, b4 = w[p] * w2[q], w2[p] * w[q]
             for r in range(3):
                 for c in range(3):
-                    hess[k, block, r, c] += 0.5 * (
-                        a0 * t[0, r, c]
-                        + a1 * t[1, r, c]
-                        + a2 * t[1, c, r]
-                        + a3 * t[2, r, c]
+                    hess[k, block, r, c] += (
+                        a3 * t[2, r, c]
                         + b0 * t[3, r, c]
                         + b1 * t[4, r, c]
                         + b2 * t[4, c, r]
@@ -257,9 +259,9 @@ def _bending_hessian(hess, k, j, factor, number, frame, n):  # type: ignore[no-u
 
 @kernel
 def _measure(x, stencil, directors, share, turn, flap, i, side, frame, number, measure):  # type: ignore[no-untyped-def]
-    """Sides, unit vectors (u, m, m', n'), numbers (L, h, s, k, h', s', α) and p of triangle i.
+    """Sides, unit vectors (u, m, m', n'), numbers (L, h, s, k, h', s', α, flap) and measures p.
 
-    Returns its unit normal.
+    Returns the unit normal of triangle i.
     """
     v0, v1, v2 = stencil[i, 0], stencil[i, 1], stencil[i, 2]
     for c in range(3):
@@ -288,7 +290,9 @@ def _measure(x, stencil, directors, share, turn, flap, i, side, frame, number, m
         alpha = turn[i, j] * x[directors[i, j] // 3, directors[i, j] % 3]
         if part != 0.0:
             a = stencil[i, (j + 1) % 3]
-            if part == 1.0:
+            flapped = stencil[i, 3 + j] == stencil[i, j]
+            number[j, 7] = 1.0 if flapped else 0.0
+            if flapped:
                 dx = 0.5 * side[j, 0] + flap[i, j, 0]
                 dy = 0.5 * side[j, 1] + flap[i, j, 1]
                 dz = 0.5 * side[j, 2] + flap[i, j, 2]

@@ -7,7 +7,6 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from sheetmorph.energy.laminate_kernel import FLAP, FREE
 from sheetmorph.geometry.mesh import Floats, Ints, SheetMesh
 
 
@@ -15,19 +14,23 @@ from sheetmorph.geometry.mesh import Floats, Ints, SheetMesh
 class Patch:
     """The triangles of a mesh, each with its sides; side i lies opposite corner i.
 
-    The director of a side is the surface normal at its middle; its turn φ about the side,
-    out of the middle between the normals of the two triangles, is an unknown, times a length
-    so that it is of the same kind as the coordinates.
+    The director of an edge is the surface normal at its middle, and its turn ψ an unknown, times
+    a length so that it is of the same kind as the coordinates. It is measured from the normal of
+    the triangle on the left of the edge, whose energy so has no need to know what lies beyond;
+    from the normal of the triangle on the right the director turns by θ − ψ, θ the dihedral
+    angle. Measured from the middle between both normals it would be the same, but each triangle
+    would be tied to all three nodes beyond its sides, and the Hessian would be half as dense again.
 
     Attributes:
         stencil: corners 0, 1, 2 and the nodes beyond the sides 0, 1, 2, shape (T, 6); the own
-            corner where there is none.
+            corner where none is needed.
         directors: degrees of freedom of the directors of the sides, shape (T, 3).
-        share: of the dihedral angle that goes to the director, shape (T, 3): 1/2 between two
-            triangles, 0 on a free rim, 1 where the normal is prescribed by a flap.
-        turn: what a director's unknown turns, per length [1/m], shape (T, 3): the sides of one
-            edge have opposite signs; 0 with a flap.
-        flap: vector from the middle of a side to its flap [m], shape (T, 3, 3).
+        share: 1 on the right of a hinge and with a flap, where the angle of the director has
+            the dihedral angle in it; 0 on the left of a hinge and on a free rim, shape (T, 3).
+        turn: what a director's unknown turns, per length [1/m], shape (T, 3): positive on the
+            left and on the rim, negative on the right, 0 with a flap.
+        flap: vector from the middle of a side to its flap [m], shape (T, 3, 3): beyond a rim
+            whose surface normal is prescribed the surface goes on along it.
         held: scalar unknowns without effect, of flaps and of filling up, shape (S,); S is the
             number of edges, filled up to a multiple of 3.
     """
@@ -62,10 +65,9 @@ class Patch:
         hinge = hinge_of[edges]
         inner = hinge >= 0
         pair = mesh.hinges[:, 2:][hinge] if len(mesh.hinges) else np.zeros((*edges.shape, 2), int)
-        left = inner & (pair[:, :, 0] == mesh.triangles)
-        beyond = np.where(left, pair[:, :, 1], pair[:, :, 0])
-        share = np.where(inner, 0.5, FREE)
-        turn = np.where(inner & ~left, -1.0, 1.0) / director_length
+        right = inner & (pair[:, :, 1] == mesh.triangles)
+        share = np.where(right, 1.0, 0.0)
+        turn = np.where(right, -1.0, 1.0) / director_length
         flap = np.zeros((*edges.shape, 3))
         held = np.ones(-(-edge_count // 3) * 3, dtype=np.bool_)
         held[:edge_count] = False
@@ -73,11 +75,12 @@ class Patch:
             number = np.full(edge_count, -1, dtype=np.int64)
             number[flapped_edges] = np.arange(len(flapped_edges))
             flapped = (number[edges] >= 0) & ~inner
-            share[flapped], turn[flapped] = FLAP, 0.0
+            share[flapped], turn[flapped] = 1.0, 0.0
             rows = number[edges[flapped]]
             flap[flapped] = conormals[rows] * mesh.edge_lengths[flapped_edges[rows], None]
             held[flapped_edges] = True
-        stencil = np.concatenate([mesh.triangles, np.where(inner, beyond, mesh.triangles)], axis=1)
+        beyond = np.where(right, pair[:, :, 0], mesh.triangles)
+        stencil = np.concatenate([mesh.triangles, beyond], axis=1)
         return cls(
             stencil=np.ascontiguousarray(stencil, dtype=np.int32),
             directors=np.ascontiguousarray(3 * count + edges, dtype=np.int32),
