@@ -79,8 +79,8 @@ def describe(design: Design, mesh: SheetMesh | None = None) -> dict[str, Any]:
         "supports": {
             "held_nodes": int(held.any(axis=1).sum()),
             "free_dofs": int((~held).sum()) - (0 if held.any() else 6),
-            "directed_edges": len(directed_edges(design, mesh, region)[0]),
         },
+        "directed_edges": len(directed_edges(design, mesh, region)[0]),
         "loads": {
             "count": len(design.loads),
             "net_force": loads.sum(axis=0).tolist(),
@@ -154,7 +154,8 @@ def format_description(report: dict[str, Any]) -> str:
     far = "everywhere" if reach is None else f"reached {_mm(reach)} from the pattern"
     held = support["held_nodes"]
     holds = f"{held} nodes held" if held else "free sheet, rigid motions removed"
-    holds += f", {support['directed_edges']} edges clamped" if support["directed_edges"] else ""
+    if report["directed_edges"]:
+        holds += f", {report['directed_edges']} edges keep their normal"
     push, load = report["perturbation"], report["loads"]
     net = ", ".join(f"{part + 0.0:.3g}" for part in load["net_force"])
     lines += [

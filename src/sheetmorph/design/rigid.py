@@ -58,7 +58,7 @@ def told(shifts: Floats, spins: Floats, centre: Floats, size: float) -> str:
         said.append(f"move along {_directions(sliding)}")
     if turning:
         text = f"turn about {_directions(axes[:turning])}"
-        if turning == 1:
+        if turning == 1 and not len(sliding):
             shift, spin = (left.T @ shifts)[0] * size, (left.T @ spins)[0]
             at = centre + np.cross(spin, shift) / (spin @ spin)
             where = ", ".join(f"{1e3 * part + 0.0:.4g}" for part in np.round(at, 9))
@@ -74,5 +74,6 @@ def _directions(vectors: ArrayLike) -> str:
     if inside.sum() == len(basis):
         names = [name for name, there in zip(AXES, inside, strict=True) if there]
     else:
+        basis *= np.sign(np.take_along_axis(basis, np.abs(basis).argmax(axis=1)[:, None], axis=1))
         names = ["(" + ", ".join(f"{part + 0.0:.2f}" for part in row) + ")" for row in basis]
     return names[0] if len(names) == 1 else ", ".join(names[:-1]) + f" and {names[-1]}"
