@@ -134,5 +134,5 @@ class Actuation(Section):
             )
 
 
-NO_ACTUATION = Actuation(eps_pre=0.0)
+NO_ACTUATION = Actuation.model_construct(eps_pre=0.0)
 """What a design has that says nothing: loads alone move its sheet."""
