@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from typing import Self
 
 import numpy as np
 
@@ -32,12 +33,12 @@ class NodalLoad:
     )
     linear = True
 
-    def at(self, ramp: float, load: float) -> NodalLoad:
+    def at(self, ramp: float, load: float) -> Self:
         """The same forces at a fraction of the load."""
         return replace(self, factor=load)
 
     @classmethod
-    def specimen(cls, mesh: SheetMesh, rng: np.random.Generator) -> NodalLoad:
+    def specimen(cls, mesh: SheetMesh, rng: np.random.Generator) -> Self:
         """Every node, with a random force."""
         nodes = np.arange(len(mesh.nodes), dtype=np.int32)[:, None]
         return cls(nodes, rng.standard_normal(mesh.nodes.shape), mesh.nodes)
@@ -56,6 +57,18 @@ class NodalLoad:
         _nodal_load(
             x, self.stencil, self.force, self.rest, self.factor, start, stop, energy, gradient
         )
+
+
+@dataclass(frozen=True, eq=False)
+class AppliedLoad(NodalLoad):
+    """The loads of a design: they grow with the actuation and stay."""
+
+    name = "applied"
+    reference = "dead loads, in proportion to the actuation"
+
+    def at(self, ramp: float, load: float) -> Self:
+        """The same forces at a fraction of the actuation."""
+        return replace(self, factor=ramp)
 
 
 @kernel

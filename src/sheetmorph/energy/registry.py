@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from sheetmorph.energy.hinge import CoupledHinge
 from sheetmorph.energy.laminate import LaminateShell
-from sheetmorph.energy.loads import NodalLoad
+from sheetmorph.energy.loads import AppliedLoad, NodalLoad
 from sheetmorph.energy.stretch import EdgeStretch
 from sheetmorph.energy.term import Term
 
@@ -13,5 +13,6 @@ TERMS: dict[str, type[Term]] = {
     CoupledHinge.name: CoupledHinge,
     LaminateShell.name: LaminateShell,
     NodalLoad.name: NodalLoad,
+    AppliedLoad.name: AppliedLoad,
 }
 """Name of the term → its class."""

@@ -83,6 +83,7 @@ class PathOptions:
         min_step: smallest step before the path is given up.
         max_steps: most states.
         time_limit: wall seconds.
+        stops: fractions of the first leg at which there shall be a state, increasing.
     """
 
     newton: NewtonOptions
@@ -91,6 +92,7 @@ class PathOptions:
     min_step: float = 1e-5
     max_steps: int = 1000
     time_limit: float = float("inf")
+    stops: tuple[float, ...] = ()
 
 
 @dataclass(frozen=True, eq=False)
@@ -213,10 +215,9 @@ def _step(
     last = known[-1]
     first, second = waypoints[last.leg], waypoints[last.leg + 1]
     size = last.step if last.leg not in equal_steps else 1.0 / equal_steps[last.leg]
+    planned = size
     while True:
-        s = last.s + size
-        if s > 1.0 - 1e-9 or 1.0 - s < 0.2 * size:
-            s = 1.0
+        s = _landing(last, size, options)
         ramp = first.ramp + s * (second.ramp - first.ramp)
         load = first.load + s * (second.load - first.load)
         here = system.at(ramp, load)
@@ -229,6 +230,7 @@ def _step(
             return str(found.outcome)
         on_event(StepRejected(ramp, load, found.outcome.replace("_", " ")))
         size = 0.5 * (s - last.s)
+        planned = size
         if size < options.min_step:
             return str(found.outcome)
     at_end = s == 1.0
@@ -249,7 +251,7 @@ def _step(
         tangent=tangent,
         leg=last.leg + 1 if at_end else last.leg,
         s=0.0 if at_end else s,
-        step=options.initial_step if at_end else _next_step(s - last.s, cost, options),
+        step=options.initial_step if at_end else _next_step(max(planned, s - last.s), cost, options),
         ramp=ramp,
         load=load,
         residual=found.residual,
@@ -261,6 +263,14 @@ def _step(
         )
     )
     return state
+
+
+def _landing(last: PathState, size: float, options: PathOptions) -> float:
+    """Where a step ends: the next stop or the end of the leg, where that is near or passed."""
+    s = last.s + size
+    ends = (*options.stops, 1.0) if last.leg == 0 else (1.0,)
+    end = next(stop for stop in ends if stop > last.s + 1e-9)
+    return end if s > end - 1e-9 or end - s < 0.2 * size else s
 
 
 def _next_step(size: float, cost: int, options: PathOptions) -> float:

@@ -9,6 +9,7 @@ from sheetmorph.design.laminate import LayerStack
 from sheetmorph.design.regions import Regions
 from sheetmorph.design.sections import EVERYWHERE
 from sheetmorph.design.spec import Design
+from sheetmorph.design.supports import directed_edges
 from sheetmorph.energy.laminate import LaminateShell
 from sheetmorph.energy.laminate_fields import energy_parts
 from sheetmorph.energy.laminate_patch import Patch
@@ -24,7 +25,8 @@ def laminate_shell(design: Design, mesh: SheetMesh, region: Regions) -> Laminate
     Raises:
         InputError: actuation, pattern and mesh do not fit together.
     """
-    patch = Patch.of(mesh, mesh.mean_edge_length)
+    edges, conormals = directed_edges(design, mesh, region)
+    patch = Patch.of(mesh, mesh.mean_edge_length, edges, conormals)
     measures = ShapeMeasures.of(mesh.nodes, patch, mesh.triangle_frames)
     lamination = Lamination(
         measures=measures,

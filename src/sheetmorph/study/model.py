@@ -8,10 +8,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sheetmorph.design.actuation import thermal_strain
+from sheetmorph.design.loads import load_forces
 from sheetmorph.design.regions import Regions, regions
 from sheetmorph.design.spec import Design
-from sheetmorph.design.supports import held_nodes, perturbation_forces
-from sheetmorph.energy.loads import NodalLoad
+from sheetmorph.design.supports import held_components, perturbation_forces
+from sheetmorph.energy.loads import AppliedLoad, NodalLoad
 from sheetmorph.energy.total import Total
 from sheetmorph.geometry.mesh import Floats, SheetMesh
 from sheetmorph.solve.constraints import rigid_motion_pins
@@ -33,7 +34,8 @@ class Problem:
         regions: what lies in the pattern.
         model: the internal energy of the design's model.
         thermal_strain: eigenstrain of the edges at full actuation, shape (E,).
-        held_nodes: nodes that the supports hold, shape (N,); empty for a free sheet.
+        held_nodes: nodes of which the supports hold a coordinate, shape (N,); empty for a free
+            sheet.
         held_dofs: True at the degrees of freedom that keep their value, shape (n,).
         total: the energy, of the n degrees of freedom: coordinates, then scalar unknowns.
     """
@@ -77,28 +79,19 @@ def build_problem(design: Design) -> Problem:
         if design.laminate
         else published_parts(design, mesh, region, eigenstrain)
     )
-    held = held_nodes(design, mesh, region)
-    perturbation = NodalLoad(
-        np.arange(len(mesh.nodes), dtype=np.int32)[:, None],
-        perturbation_forces(design, mesh),
-        mesh.nodes,
-    )
-    terms = (*model.terms, perturbation)
+    held = held_components(design, mesh, region)
+    nodes = np.arange(len(mesh.nodes), dtype=np.int32)[:, None]
+    terms = [*model.terms, NodalLoad(nodes, perturbation_forces(design, mesh), mesh.nodes)]
+    if design.loads:
+        terms.append(AppliedLoad(nodes, load_forces(design, mesh, region), mesh.nodes))
+    dofs = held.ravel() if held.any() else rigid_motion_pins(mesh.nodes)
     return Problem(
         design=design,
         mesh=mesh,
         regions=region,
         model=model,
         thermal_strain=eigenstrain,
-        held_nodes=held,
-        held_dofs=np.concatenate([_held_dofs(mesh, held), model.held_scalars]),
+        held_nodes=np.flatnonzero(held.any(axis=1)),
+        held_dofs=np.concatenate([dofs, model.held_scalars]),
         total=Total.of(terms, len(mesh.nodes), len(model.held_scalars)),
     )
-
-
-def _held_dofs(mesh: SheetMesh, nodes: NDArray[np.intp]) -> NDArray[np.bool_]:
-    if not len(nodes):
-        return rigid_motion_pins(mesh.nodes)
-    held = np.zeros((len(mesh.nodes), 3), dtype=bool)
-    held[nodes] = True
-    return held.ravel()

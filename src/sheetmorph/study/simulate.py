@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from dataclasses import replace
 from time import perf_counter
 from typing import Any
 
@@ -38,6 +40,7 @@ def simulate(
     on_event: Listener = silent,
     journal: Journal | None = None,
     resume: bool = False,
+    stops: Sequence[float] = (),
 ) -> Result:
     """Predict the shape into which a sheet morphs, from flat to full actuation.
 
@@ -46,6 +49,7 @@ def simulate(
         on_event: told of the progress, see `sheetmorph.core.events`.
         journal: where to keep every state as it is reached; nowhere by default.
         resume: go on from the last state in the journal.
+        stops: fractions of the actuation at which there shall be a state, increasing.
 
     Returns:
         The result with every state that was reached. A computation that did not reach the
@@ -58,7 +62,7 @@ def simulate(
     began = perf_counter()
     on_event(Started(design.name))
     problem = build_problem(design)
-    options = _path_options(problem)
+    options = replace(_path_options(problem), stops=tuple(stops))
     x0 = problem.start
     known = [start_of_path(x0, WAYPOINTS, options)]
     if resume and journal is not None:
