@@ -22,11 +22,22 @@ MAY_IMPORT: dict[str, set[str]] = {
     "study": STUDY,
     "calibrate": {*STUDY, "study"},
     "paper": {*STUDY, "study"},
-    "show": {"core", "geometry", "compare", "measure", "design", "study", "calibrate", "paper"},
+    "proofs": {*STUDY, "study"},
+    "show": {
+        "core",
+        "geometry",
+        "compare",
+        "measure",
+        "design",
+        "study",
+        "calibrate",
+        "paper",
+        "proofs",
+    },
     "fabricate": {"core", "geometry", "drawing", "design"},
     "cli": {
         *STUDY,
-        *("study", "calibrate", "paper", "show", "fabricate"),
+        *("study", "calibrate", "paper", "proofs", "show", "fabricate"),
     },
 }
 PLOTTING = {"matplotlib", "vtkmodules", "vtk", "PIL", "jinja2", "rich", "click"}

@@ -65,13 +65,17 @@ class Problem:
         return x[: self.mesh.nodes.size].reshape(-1, 3)
 
 
-def build_problem(design: Design) -> Problem:
+def build_problem(design: Design, mesh: SheetMesh | None = None) -> Problem:
     """Mesh the design and set up its energy.
+
+    Args:
+        design: the design.
+        mesh: reference mesh to take in the place of the design's own.
 
     Raises:
         InputError: the mesh, the supports or the actuation do not fit together.
     """
-    mesh = design.build_mesh()
+    mesh = design.build_mesh() if mesh is None else mesh
     region = regions(design, mesh)
     eigenstrain = thermal_strain(design, mesh, region)
     model = (

@@ -13,6 +13,7 @@ from sheetmorph import __version__
 from sheetmorph.core.events import Event, Listener, Notice, Progress, Started, StateReached, silent
 from sheetmorph.design.spec import Design
 from sheetmorph.geometry import surface
+from sheetmorph.geometry.mesh import SheetMesh
 from sheetmorph.solve.constraints import HeldDofs, align_to_reference
 from sheetmorph.solve.linear import make_solver
 from sheetmorph.solve.minimise import NewtonOptions
@@ -41,6 +42,7 @@ def simulate(
     journal: Journal | None = None,
     resume: bool = False,
     stops: Sequence[float] = (),
+    mesh: SheetMesh | None = None,
 ) -> Result:
     """Predict the shape into which a sheet morphs, from flat to full actuation.
 
@@ -50,6 +52,7 @@ def simulate(
         journal: where to keep every state as it is reached; nowhere by default.
         resume: go on from the last state in the journal.
         stops: fractions of the actuation at which there shall be a state, increasing.
+        mesh: reference mesh to take in the place of the design's own.
 
     Returns:
         The result with every state that was reached. A computation that did not reach the
@@ -61,7 +64,7 @@ def simulate(
     """
     began = perf_counter()
     on_event(Started(design.name))
-    problem = build_problem(design)
+    problem = build_problem(design, mesh)
     options = replace(_path_options(problem), stops=tuple(stops))
     x0 = problem.start
     known = [start_of_path(x0, WAYPOINTS, options)]

@@ -1,0 +1,1 @@
+"""Proofs: cases whose answer is known, computed anew and judged."""
