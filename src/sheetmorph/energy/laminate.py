@@ -88,6 +88,7 @@ class LaminateShell:
             patch.directors,
             patch.share,
             patch.turn,
+            patch.lean,
             patch.flap,
             rest.stiffness,
             rest.natural,

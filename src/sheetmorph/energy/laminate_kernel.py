@@ -6,8 +6,8 @@ n normal of the triangle, m = n × u inward; beyond the side n', m' and altitude
 the feet of the altitudes as fractions of the side, L its length.
 
 The dihedral angle θ of a side changes by dθ = −(n·w)/h − (n'·w')/h', the altitude by dh = m·w,
-with w = dc − (1 − s) da − s db, w' likewise, and δ = db − da. With α = k θ + σ ψ (k is 0 or 1,
-σ ψ the turn of the side's director, see `Patch`),
+with w = dc − (1 − s) da − s db, w' likewise, and δ = db − da. With α = k θ + σ ψ + const
+(k is 0 or 1, σ ψ the turn of the side's director, see `Patch`),
 
     ½ dβ  = α (m·w) − k (n·w) − k (h/h') (n'·w') + σ h dψ
     ½ d²β = α [(n·w)²/h − 2 (u·w)(m·δ)/L − h (m·δ)²/L²]
@@ -35,6 +35,7 @@ def laminate_local(  # type: ignore[no-untyped-def]
     directors,
     share,
     turn,
+    lean,
     flap,
     stiffness,
     natural,
@@ -56,6 +57,7 @@ def laminate_local(  # type: ignore[no-untyped-def]
         directors: degrees of freedom of the directors, shape (T, 3).
         share: k of each side, 0 or 1, shape (T, 3).
         turn: σ over the director length [1/m], shape (T, 3).
+        lean: α where ψ and θ are zero [rad], shape (T, 3).
         flap: f of each side that has one [m], shape (T, 3, 3).
         stiffness: M, shape (T, 6, 6).
         natural: p̄, shape (T, 6).
@@ -74,7 +76,7 @@ def laminate_local(  # type: ignore[no-untyped-def]
     for i in range(start, stop):
         k = i - start
         nx, ny, nz = _measure(
-            x, stencil, directors, share, turn, flap, i, side, frame, number, measure
+            x, stencil, directors, share, turn, lean, flap, i, side, frame, number, measure
         )
         total = floor[i]
         for p in range(6):
@@ -258,7 +260,7 @@ def _bending_hessian(hess, k, j, factor, number, frame, n, t):  # type: ignore[n
 
 
 @kernel
-def _measure(x, stencil, directors, share, turn, flap, i, side, frame, number, measure):  # type: ignore[no-untyped-def]
+def _measure(x, stencil, directors, share, turn, lean, flap, i, side, frame, number, measure):  # type: ignore[no-untyped-def]
     """Sides, unit vectors (u, m, m', n'), numbers (L, h, s, k, h', s', α, flap) and measures p.
 
     Returns the unit normal of triangle i.
@@ -287,7 +289,7 @@ def _measure(x, stencil, directors, share, turn, flap, i, side, frame, number, m
         frame[j, 1, 0], frame[j, 1, 1], frame[j, 1, 2] = mx, my, mz
         part = share[i, j]
         number[j, 3] = part
-        alpha = turn[i, j] * x[directors[i, j] // 3, directors[i, j] % 3]
+        alpha = lean[i, j] + turn[i, j] * x[directors[i, j] // 3, directors[i, j] % 3]
         if part != 0.0:
             a = stencil[i, (j + 1) % 3]
             flapped = stencil[i, 3 + j] == stencil[i, j]
@@ -316,10 +318,12 @@ def _measure(x, stencil, directors, share, turn, flap, i, side, frame, number, m
 
 
 @kernel
-def measure_shapes(x, stencil, directors, share, turn, flap, measures):  # type: ignore[no-untyped-def]
+def measure_shapes(x, stencil, directors, share, turn, lean, flap, measures):  # type: ignore[no-untyped-def]
     """Write the six measures p of every triangle, shape (T, 6); arguments as `laminate_local`."""
     side = np.empty((3, 3))
     frame = np.empty((3, 4, 3))
     number = np.empty((3, 8))
     for i in range(len(stencil)):
-        _measure(x, stencil, directors, share, turn, flap, i, side, frame, number, measures[i])
+        _measure(
+            x, stencil, directors, share, turn, lean, flap, i, side, frame, number, measures[i]
+        )

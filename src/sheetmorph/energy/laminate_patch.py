@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sheetmorph.geometry.mesh import Floats, Ints, SheetMesh
+from sheetmorph.geometry.surface import dihedral_angles
 
 
 @dataclass(frozen=True, eq=False)
@@ -18,8 +19,9 @@ class Patch:
     a length so that it is of the same kind as the coordinates. It is measured from the normal of
     the triangle on the left of the edge, whose energy so has no need to know what lies beyond;
     from the normal of the triangle on the right the director turns by θ − ψ, θ the dihedral
-    angle. Measured from the middle between both normals it would be the same, but each triangle
-    would be tied to all three nodes beyond its sides, and the Hessian would be half as dense again.
+    angle. On a sheet that is bent at rest, ψ = 0 is the middle between both normals there.
+    Measured from the middle between both present normals it would be the same, but each
+    triangle would be tied to all three nodes beyond its sides, and the Hessian would be denser.
 
     Attributes:
         stencil: corners 0, 1, 2 and the nodes beyond the sides 0, 1, 2, shape (T, 6); the own
@@ -29,6 +31,8 @@ class Patch:
             the dihedral angle in it; 0 on the left of a hinge and on a free rim, shape (T, 3).
         turn: what a director's unknown turns, per length [1/m], shape (T, 3): positive on the
             left and on the rim, negative on the right, 0 with a flap.
+        lean: angle of the director at ψ = 0, but for the dihedral angle, shape (T, 3): half the
+            dihedral angle at rest on the left, minus that on the right, 0 elsewhere [rad].
         flap: vector from the middle of a side to its flap [m], shape (T, 3, 3): beyond a rim
             whose surface normal is prescribed the surface goes on along it.
         held: scalar unknowns without effect, of flaps and of filling up, shape (S,); S is the
@@ -39,6 +43,7 @@ class Patch:
     directors: Ints
     share: Floats
     turn: Floats
+    lean: Floats
     flap: Floats
     held: NDArray[np.bool_]
 
@@ -68,6 +73,8 @@ class Patch:
         right = inner & (pair[:, :, 1] == mesh.triangles)
         share = np.where(right, 1.0, 0.0)
         turn = np.where(right, -1.0, 1.0) / director_length
+        half = np.append(0.5 * dihedral_angles(mesh.nodes, mesh.hinges), 0.0)
+        lean = np.where(right, -half[hinge], half[hinge])  # hinge −1 is the rim
         flap = np.zeros((*edges.shape, 3))
         held = np.ones(-(-edge_count // 3) * 3, dtype=np.bool_)
         held[:edge_count] = False
@@ -85,6 +92,7 @@ class Patch:
             stencil=np.ascontiguousarray(stencil, dtype=np.int32),
             directors=np.ascontiguousarray(3 * count + edges, dtype=np.int32),
             share=np.ascontiguousarray(share),
+            lean=np.ascontiguousarray(lean),
             turn=np.ascontiguousarray(turn),
             flap=flap,
             held=held,

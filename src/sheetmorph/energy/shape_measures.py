@@ -93,6 +93,7 @@ def measures_at(rows: Floats, patch: Patch) -> Floats:
         patch.directors,
         patch.share,
         patch.turn,
+        patch.lean,
         patch.flap,
         found,
     )
