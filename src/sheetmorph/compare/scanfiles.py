@@ -15,6 +15,8 @@ from sheetmorph.core.errors import InputError
 from sheetmorph.geometry.mesh import Floats
 
 _STL_HEADER, _STL_TRIANGLE = 84, 50
+# A normal, which is not read (the corners tell it), three corners, and two bytes of anything.
+_STL_RECORD = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("more", "<u2")])
 # Words of a text STL between its numbers: three of a normal and nine of corners.
 _STL_WORDS = (b"facet", b"normal", b"outer", b"loop", b"vertex", b"end")
 _SOLID = re.compile(rb"solid[^\r\n]*")
@@ -40,7 +42,7 @@ def read_stl(data: bytes, max_triangles: int) -> Triangles:
     count = int.from_bytes(data[80:84], "little") if len(data) >= _STL_HEADER else -1
     if count >= 0 and len(data) == _STL_HEADER + _STL_TRIANGLE * count:
         _check_count(count, max_triangles, "triangles")
-        return _through_trimesh(data, "stl") if count else _nothing()
+        return _read_binary_stl(data) if count else _nothing()
     start = data[:2000].lstrip().lower()
     if start.startswith(b"solid") and (b"facet" in start or b"endsolid" in start):
         return _read_text_stl(data, max_triangles)
@@ -127,6 +129,12 @@ def _through_trimesh(data: bytes, kind: str) -> Triangles:
         np.concatenate([faces + shift for (_, faces), shift in zip(parts, shifts, strict=True)]),
         sum(len(faces) > 0 for _, faces in parts),
     )
+
+
+def _read_binary_stl(data: bytes) -> Triangles:
+    records = np.frombuffer(data, _STL_RECORD, offset=_STL_HEADER)
+    points = records["corners"].astype(np.float64).reshape(-1, 3)
+    return Triangles(points, np.arange(len(points)).reshape(-1, 3))
 
 
 def _read_text_stl(data: bytes, max_triangles: int) -> Triangles:

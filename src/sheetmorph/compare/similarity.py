@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from functools import cached_property
 
 import numpy as np
 
-from sheetmorph.compare.surface import Surface
+from sheetmorph.compare.surface import Indices, Surface
 from sheetmorph.core.errors import InputError
 from sheetmorph.geometry.mesh import Floats
 
@@ -47,14 +48,19 @@ class Grid:
 
     def distance(self, surface: Surface) -> Floats:
         """Distance from every grid point to a surface, shape (N, N, N) [m]."""
-        # Block by block: neighbours in space follow each other, and the search is quicker.
-        steps = np.arange(self.count)
-        index = np.stack(np.meshgrid(steps, steps, steps, indexing="ij"), axis=-1).reshape(-1, 3)
-        block = index // BLOCK
-        order = np.lexsort((*index.T[::-1], *block.T[::-1]))
+        index = self._order
         distance = np.empty(len(index))
-        distance[order] = surface.nearest(self.origin + self.spacing * index[order]).distance
+        steps = np.stack(np.unravel_index(index, (self.count,) * 3), axis=1)
+        distance[index] = surface.nearest(self.origin + self.spacing * steps).distance
         return distance.reshape((self.count,) * 3)
+
+    @cached_property
+    def _order(self) -> Indices:
+        """The points block by block, shape (N³,): neighbours in space follow each other."""
+        block = np.arange(self.count) // BLOCK
+        blocks = int(block[-1]) + 1
+        key = (block[:, None, None] * blocks + block[:, None]) * blocks + block
+        return np.argsort(key.ravel(), kind="stable")
 
 
 @dataclass(frozen=True, eq=False)

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sheetmorph.compare.pose import Similarity
+from sheetmorph.compare.tree import Tree
 from sheetmorph.core.errors import InputError
 from sheetmorph.geometry.mesh import Floats
 from sheetmorph.geometry.surface import mean_curvature, triangle_areas, triangle_normals
@@ -179,14 +180,9 @@ class Surface:
         Args:
             points: shape (n, 3).
         """
-        tree, corners, faces, centre = self._tree
-        unit = self.size
-        query = np.ascontiguousarray((points - centre) / unit)
-        if not len(query):
-            return Nearest(np.zeros(0), np.zeros(0, dtype=np.int64), np.zeros((0, 3)))
-        square, triangle, point = tree.squared_distance(corners, faces, query)
-        distance = unit * np.sqrt(np.maximum(square, 0.0))
-        return Nearest(distance, self._solid[triangle], unit * point + centre)
+        unit, centre = self.size, self._centre
+        square, triangle, point = self._tree.nearest((points - centre) / unit)
+        return Nearest(unit * np.sqrt(square), self._solid[triangle], unit * point + centre)
 
     def meets(self, points: Floats, directions: Floats) -> tuple[Indices, Floats]:
         """The first triangle that a ray from each of n points meets, and how far away.
@@ -200,8 +196,8 @@ class Surface:
         Returns:
             Triangles, -1 where there is none, and distances, infinite there, shape (n,) each.
         """
-        tree, corners, faces, centre = self._tree
-        unit, lift = self.size, 1e-6
+        tree, corners, faces = self._rays
+        unit, centre, lift = self.size, self._centre, 1e-6
         start = np.ascontiguousarray((points - centre) / unit + lift * directions)
         hit, length, _ = tree.intersect_ray_first(
             corners, faces, start, np.ascontiguousarray(directions)
@@ -226,13 +222,24 @@ class Surface:
         return np.flatnonzero(self.areas > FLAT**2 * self.size**2)
 
     @cached_property
-    def _tree(self) -> tuple[Any, Floats, Indices, Floats]:
-        """Bounding volume tree over the triangles, moved to the origin and to size 1."""
+    def _centre(self) -> Floats:
+        return np.asarray(self.box.mean(axis=0))
+
+    @cached_property
+    def _unit_points(self) -> Floats:
+        """The corners, moved to the origin and to size 1."""
+        return np.ascontiguousarray((self.points - self._centre) / self.size)
+
+    @cached_property
+    def _tree(self) -> Tree:
+        return Tree.over(self._unit_points, self.triangles[self._solid])
+
+    @cached_property
+    def _rays(self) -> tuple[Any, Floats, Indices]:
+        """Bounding volume tree for rays, and what it is over."""
         import igl
 
-        centre = self.box.mean(axis=0)
-        corners = np.ascontiguousarray((self.points - centre) / self.size)
         faces = np.ascontiguousarray(self.triangles[self._solid])
         tree = igl.AABB()
-        tree.init(corners, faces)
-        return tree, corners, faces, centre
+        tree.init(self._unit_points, faces)
+        return tree, self._unit_points, faces

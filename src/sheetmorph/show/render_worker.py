@@ -24,9 +24,10 @@ from sheetmorph.show import scene
 
 
 class Canvas:
-    """One window of VTK, off the screen, with one sheet in it.
+    """A sheet in a window of VTK.
 
     Args:
+        window: off the screen; the sheet takes the place of what was in it.
         triangles: node indices, shape (T, 3).
         uv: place of every node in the textures, shape (V, 2).
         textures: pictures of shape (h, w, 3), row 0 on top.
@@ -34,17 +35,19 @@ class Canvas:
 
     def __init__(
         self,
+        window: Any,
         triangles: Ints,
         uv: Floats,
         textures: list[scene.Image],
     ) -> None:
-        import vtkmodules.vtkRenderingOpenGL2  # noqa: F401  registers the windows
         from vtkmodules import vtkRenderingCore
         from vtkmodules.util.numpy_support import numpy_to_vtk, numpy_to_vtkIdTypeArray
         from vtkmodules.vtkCommonDataModel import vtkCellArray, vtkPolyData
 
         self._numpy_to_vtk = numpy_to_vtk
         self._triangles = triangles
+        self._points: Floats | None = None
+        self._colours: scene.Colours | None = None
         self._sheet = vtkPolyData()
         cells = vtkCellArray()
         cells.SetData(3, numpy_to_vtkIdTypeArray(triangles.astype(np.int64).ravel(), deep=True))
@@ -78,10 +81,10 @@ class Canvas:
             surface.SetSpecularPower(scene.SHININESS / 2)
             self._renderer.AddActor(actor)
             self._sides.append(actor)
-        self._window = vtkRenderingCore.vtkRenderWindow()
-        self._window.SetOffScreenRendering(1)
-        self._window.SetMultiSamples(8)
-        self._window.AddRenderer(self._renderer)
+        self._window = window
+        for old in list(window.GetRenderers()):
+            window.RemoveRenderer(old)
+        window.AddRenderer(self._renderer)
 
     def draw(
         self, points: Floats, colours: scene.Colours, parameters: dict[str, Any]
@@ -90,14 +93,18 @@ class Canvas:
         from vtkmodules.util.numpy_support import vtk_to_numpy
         from vtkmodules.vtkCommonCore import vtkPoints, vtkUnsignedCharArray
 
-        places = vtkPoints()
-        places.SetData(self._numpy_to_vtk(points.astype(np.float32), deep=True))
-        self._sheet.SetPoints(places)
+        # What is the same as in the last view is on the graphics card already.
         data = self._sheet.GetPointData()
-        normals = scene.node_normals(points, self._triangles)
-        data.SetNormals(self._numpy_to_vtk(normals.astype(np.float32), deep=True))
-        data.SetScalars(self._numpy_to_vtk(np.ascontiguousarray(colours), deep=True))
-        self._sheet.Modified()
+        if self._points is None or not np.array_equal(points, self._points):
+            places = vtkPoints()
+            places.SetData(self._numpy_to_vtk(points.astype(np.float32), deep=True))
+            self._sheet.SetPoints(places)
+            normals = scene.node_normals(points, self._triangles)
+            data.SetNormals(self._numpy_to_vtk(normals.astype(np.float32), deep=True))
+            self._points = points
+        if self._colours is None or not np.array_equal(colours, self._colours):
+            data.SetScalars(self._numpy_to_vtk(np.ascontiguousarray(colours), deep=True))
+            self._colours = colours
         strengths = parameters["light"]
         for actor, texture in zip(self._sides, parameters["textures"], strict=True):
             actor.SetTexture(self._textures[texture])
@@ -178,14 +185,15 @@ def choose_window() -> None:
 def serve(jobs: TextIO, answers: TextIO) -> None:
     """Draw every job that comes, until there are no more."""
     choose_window()
-    _warm_up()
+    window = _window()
+    _warm_up(window)
     _say(answers, {"ready": True})
     for line in jobs:
         job = json.loads(line)
         file = Path(job["file"])
         with np.load(file, allow_pickle=False) as arrays:
             textures = [arrays[f"texture{k}"] for k in range(job["textures"])]
-            canvas = Canvas(arrays["triangles"], arrays["uv"], textures)
+            canvas = Canvas(window, arrays["triangles"], arrays["uv"], textures)
             points, colours = arrays["points"], arrays["colours"]
         for k, parameters in enumerate(job["views"]):
             image = canvas.draw(points[k].astype(np.float64), colours[k], parameters)
@@ -193,13 +201,23 @@ def serve(jobs: TextIO, answers: TextIO) -> None:
             _say(answers, {"job": job["job"], "view": k})
 
 
-def _warm_up() -> None:
+def _window() -> Any:
+    """The window in which all is drawn; a second one would compile the shaders again."""
+    import vtkmodules.vtkRenderingOpenGL2  # noqa: F401  registers the windows
+    from vtkmodules.vtkRenderingCore import vtkRenderWindow
+
+    window = vtkRenderWindow()
+    window.SetOffScreenRendering(1)
+    window.SetMultiSamples(8)
+    return window
+
+
+def _warm_up(window: Any) -> None:
     """Draw one triangle, so that drivers are loaded and shaders are compiled."""
     corners = np.array([[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]])
     white = np.full((3, 3), 255, dtype=np.uint8)
-    canvas = Canvas(
-        np.array([[0, 1, 2]], dtype=np.int32), corners[:, :2], [np.full((2, 2, 3), 255, np.uint8)]
-    )
+    texture = np.full((2, 2, 3), 255, np.uint8)
+    canvas = Canvas(window, np.array([[0, 1, 2]], dtype=np.int32), corners[:, :2], [texture])
     camera = scene.perspective().fitted(corners, (64, 64), 0.1)
     view = scene.View(corners, white, (0, 0), camera, (64, 64))
     image = canvas.draw(corners, white, view_parameters(view))
