@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from sheetmorph.design.spec import Design
 
 NO_DIRECTION = 1e-9
-"""Length of a unit vector's projection below which it gives no direction."""
+"""Length of a unit vector, lifted onto the surface, below which it gives no direction."""
 
 
 def covered_cells(design: Design, region: Regions) -> NDArray[np.bool_]:
@@ -148,8 +148,8 @@ def triangle_eigenstrain(design: Design, mesh: SheetMesh, region: Regions) -> Fl
 
     The engineering strain tensor (e11, e22, e12) at the centroids, in the axes of
     `SheetMesh.triangle_frames`: those of the plan where the sheet is flat. It is that of a
-    layer with `eigenstrain_factor = 1`. Main directions are drawn in the plan and projected
-    into the triangle; where that leaves none, as at the very centre of a radial one, both
+    layer with `eigenstrain_factor = 1`. Main directions are drawn in the plan and lifted onto
+    the surface, along z; where that leaves none, as at the very centre of a radial one, both
     directions have the mean strain.
 
     Raises:
@@ -202,7 +202,11 @@ def _main_directions(design: Design, mesh: SheetMesh) -> Floats:
         plan[apart, :2] = arms[apart] / lengths[apart, None]
     else:
         plan[:, :2] = np.cos(options.direction), np.sin(options.direction)
-    local = np.einsum("ta,tia->ti", plan, mesh.triangle_frames)
+    # Tangent above the drawn line, times n_z: it stays well defined where the sheet is steep.
+    normals = mesh.triangle_normals
+    lifted = plan * normals[:, 2:]
+    lifted[:, 2] = -(plan * normals).sum(axis=1)
+    local = np.einsum("ta,tia->ti", lifted, mesh.triangle_frames)
     lengths = np.linalg.norm(local, axis=1)
     found = lengths > NO_DIRECTION
     local[found] /= lengths[found, None]

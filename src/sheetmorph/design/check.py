@@ -260,7 +260,7 @@ def _warnings(design: Design, mesh: SheetMesh, report: dict[str, Any]) -> list[s
     poor = int((mesh.minimum_angles < POOR_ANGLE).sum())
     if poor:
         found.append(f"{poor} triangles have an angle below {math.degrees(POOR_ANGLE):.0f}°")
-    if design.pattern:
+    if design.pattern and mesh.flat:
         wanted = design.pattern_polygon().area
         got = sum(part["area"] for name, part in report["regions"].items() if name != "film")
         if abs(got - wanted) > AREA_MISMATCH * wanted:

@@ -42,7 +42,8 @@ def build_mesh(design: Design) -> SheetMesh:
     else:
         from sheetmorph.geometry.files import read_mesh
 
-        mesh = read_mesh(path, scale_of(design.spec.mesh.unit, "length"))
+        source = design.spec.mesh
+        mesh = read_mesh(path, scale_of(source.unit, "length"), curved=source.curved)
         _check_fits(design, mesh)
     if hinge_orientation(design, path) == "away_from_pattern":
         mesh = mesh.with_hinges_reversed(farther_side(mesh, design.pattern_polygon()) < 0)
@@ -156,7 +157,7 @@ def _check_fits(design: Design, mesh: SheetMesh) -> None:
     import shapely
 
     sheet = design.outline_polygon()
-    area = float(mesh.triangle_areas.sum())
+    area = float(mesh.triangle_areas @ mesh.triangle_normals[:, 2])  # in the plan
     bounds = np.concatenate([mesh.nodes[:, :2].min(axis=0), mesh.nodes[:, :2].max(axis=0)])
     shift = float(np.abs(bounds - np.array(sheet.bounds)).max())
     extent = float(np.ptp(np.array(shapely.get_coordinates(sheet)), axis=0).max())

@@ -48,6 +48,7 @@ def _of_laminate(design: DesignSchema) -> Iterator[tuple[str, object]]:
         yield from _given(support, support_tables.OF_LAMINATE, key)
     for index, load in enumerate(design.loads):
         yield f"loads[{index}].kind", load.kind
+    yield from _given(design.mesh, ("curved",), "mesh")
 
 
 def _given(table: Section, keys: tuple[str, ...], name: str) -> Iterator[tuple[str, object]]:

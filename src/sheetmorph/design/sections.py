@@ -115,6 +115,7 @@ class MeshSource(Section):
         file: name of a mesh file in the folder of the design file.
         reference_file: name of a mesh file in the folder of reference data.
         unit: unit of length of the coordinates in the file.
+        curved: the sheet of the file need not be flat; its form is free of stress.
     """
 
     size: Size | None = None
@@ -124,6 +125,7 @@ class MeshSource(Section):
     file: FileName | None = None
     reference_file: FileName | None = None
     unit: Literal["um", "mm", "cm", "m", "in"] = "mm"
+    curved: Flag = False
 
     @model_validator(mode="after")
     def _one_source(self) -> Self:
@@ -135,6 +137,8 @@ class MeshSource(Section):
             raise problem(f"{given[0]} and {given[1]} exclude each other; keep one", key=given[1])
         if given == ["size"] and "unit" in self.model_fields_set:
             raise problem("belongs to mesh files; size carries its own unit", key="unit")
+        if given == ["size"] and self.curved:
+            raise problem("belongs to mesh files; a mesh that is made is flat", key="curved")
         for key in ("boundary_size", "growth", "symmetry"):
             if self.size is None and key in self.model_fields_set:
                 raise problem("belongs to meshes made from their size", key=key)

@@ -21,9 +21,9 @@ from sheetmorph.geometry.gmshfile import read_gmsh
 from sheetmorph.geometry.mesh import Floats, SheetMesh
 from sheetmorph.geometry.textmesh import read_text_mesh
 from sheetmorph.geometry.topology import MAX_COORDINATE, MAX_NODES, build_mesh
-from sheetmorph.geometry.writers import write_stl, write_vtu_series
+from sheetmorph.geometry.writers import write_mesh, write_stl, write_vtu_series
 
-__all__ = ["LOADERS", "read_mesh", "write_stl", "write_vtu_series"]
+__all__ = ["LOADERS", "read_mesh", "write_mesh", "write_stl", "write_vtu_series"]
 
 MAX_BYTES = 200 * 2**20
 # Numbers that a file declares before its data; a huge one makes readers allocate or loop.
@@ -33,8 +33,8 @@ _DECLARED = {
 }
 
 
-def read_mesh(path: str | Path, unit: float = 1.0) -> SheetMesh:
-    """Read a flat triangle mesh from a file; the ending says which format it has.
+def read_mesh(path: str | Path, unit: float = 1.0, *, curved: bool = False) -> SheetMesh:
+    """Read a triangle mesh from a file; the ending says which format it has.
 
     `.txt` is the text format of the published meshes and keeps the order and direction of
     its edges. `.msh` is Gmsh's format (2.2 and 4.1); `.vtu`, `.stl`, `.obj` and `.ply` are
@@ -46,6 +46,7 @@ def read_mesh(path: str | Path, unit: float = 1.0) -> SheetMesh:
     Args:
         path: the file, at most 200 MB.
         unit: length of one unit of the file [m], such as 0.001 for millimetres.
+        curved: True for a sheet that need not be flat, see `build_mesh`.
 
     Returns:
         The checked mesh.
@@ -78,7 +79,7 @@ def read_mesh(path: str | Path, unit: float = 1.0) -> SheetMesh:
             )
         if size == 0:
             raise InputError("the file is empty", file=file)
-        return LOADERS[ending](file, unit)
+        return LOADERS[ending](file, unit, curved)
     except InputError as error:
         raise error.located(file) from error.__cause__
     except OSError as error:
@@ -87,7 +88,7 @@ def read_mesh(path: str | Path, unit: float = 1.0) -> SheetMesh:
         raise InputError("the mesh does not fit into memory", file=file) from error
 
 
-def _read_faces(file: Path, unit: float) -> SheetMesh:
+def _read_faces(file: Path, unit: float, curved: bool) -> SheetMesh:
     with warnings.catch_warnings(), np.errstate(all="ignore"):
         warnings.simplefilter("ignore")
         nodes, triangles = READERS[file.suffix.lower()](file)
@@ -104,9 +105,10 @@ def _read_faces(file: Path, unit: float) -> SheetMesh:
         nodes, triangles = nodes[used], corners.reshape(-1, 3)
     a, b, c = (nodes[triangles[:, k], :2] for k in range(3))
     u, v = b - a, c - a
-    if (u[:, 0] * v[:, 1] - u[:, 1] * v[:, 0] < 0.0).all():
+    doubled = u[:, 0] * v[:, 1] - u[:, 1] * v[:, 0]
+    if (doubled < 0.0).all() or (curved and doubled.sum() < 0.0):
         triangles = triangles[:, [0, 2, 1]]
-    return build_mesh(unit * nodes, triangles)
+    return build_mesh(unit * nodes, triangles, curved=curved)
 
 
 def _read_with_meshio(file: Path) -> tuple[Floats, NDArray[np.int64]]:
@@ -205,7 +207,7 @@ READERS: dict[str, Callable[[Path], tuple[Floats, NDArray[np.int64]]]] = {
     ".obj": _read_with_meshio,
     ".ply": _read_with_meshio,
 }
-LOADERS: dict[str, Callable[[Path, float], SheetMesh]] = {
+LOADERS: dict[str, Callable[[Path, float, bool], SheetMesh]] = {
     ".txt": read_text_mesh,
     **dict.fromkeys(READERS, _read_faces),
 }

@@ -1,4 +1,4 @@
-"""The flat triangle mesh of a sheet, frozen."""
+"""The triangle mesh of a sheet, frozen."""
 
 from __future__ import annotations
 
@@ -14,13 +14,14 @@ Ints = NDArray[np.int32]
 
 @dataclass(frozen=True, eq=False)
 class SheetMesh:
-    """A flat, oriented, manifold triangle mesh with its edges and hinges.
+    """An oriented, manifold triangle mesh with its edges and hinges; flat unless said otherwise.
 
     Build one with `sheetmorph.geometry.topology.build_mesh`, which checks it.
 
     Attributes:
-        nodes: reference positions [m], shape (V, 3), z = 0.
-        triangles: node indices, shape (T, 3), counter-clockwise seen from +z.
+        nodes: reference positions [m], shape (V, 3); z = 0 for a flat sheet.
+        triangles: node indices, shape (T, 3), counter-clockwise seen from +z; those of a curved
+            sheet may be vertical.
         edges: node indices, shape (E, 2); the order of the two nodes carries the
             orientation of the published coupling.
         hinges: nodes (a, b, c, d) of every edge that two triangles share, shape (H, 4):
@@ -39,6 +40,11 @@ class SheetMesh:
     def counts(self) -> tuple[int, int, int]:
         """Numbers of nodes, edges and triangles."""
         return len(self.nodes), len(self.edges), len(self.triangles)
+
+    @cached_property
+    def flat(self) -> bool:
+        """True for a flat sheet, False for a curved one."""
+        return not self.nodes[:, 2].any()
 
     @cached_property
     def edge_lengths(self) -> Floats:
@@ -79,17 +85,21 @@ class SheetMesh:
 
     @cached_property
     def edge_midpoints(self) -> Floats:
-        """Reference midpoints of the edges in the plane [m], shape (E, 2)."""
+        """Reference midpoints of the edges in the plan [m], shape (E, 2)."""
         return np.asarray(self.nodes[self.edges, :2].mean(axis=1))
 
     @cached_property
     def triangle_centroids(self) -> Floats:
-        """Reference centroids of the triangles in the plane [m], shape (T, 2)."""
+        """Reference centroids of the triangles in the plan [m], shape (T, 2)."""
         return np.asarray(self.nodes[self.triangles, :2].mean(axis=1))
 
     @cached_property
     def triangle_areas(self) -> Floats:
         """Reference areas of the triangles [m²], shape (T,)."""
+        if not self.flat:
+            from sheetmorph.geometry.surface import triangle_areas
+
+            return triangle_areas(self.nodes, self.triangles)
         a, b, c = (self.nodes[self.triangles[:, k], :2] for k in range(3))
         u, v = b - a, c - a
         return np.asarray(0.5 * (u[:, 0] * v[:, 1] - u[:, 1] * v[:, 0]))

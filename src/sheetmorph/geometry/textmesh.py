@@ -26,7 +26,7 @@ class _Section:
     numbers: list[int] = field(default_factory=list)
 
 
-def read_text_mesh(path: Path, unit: float) -> SheetMesh:
+def read_text_mesh(path: Path, unit: float, curved: bool = False) -> SheetMesh:
     """Read a mesh that lists its nodes, triangles and edges as comma-separated text.
 
     Nodes and edges keep the order and the direction of the file. Ids may be any distinct
@@ -35,6 +35,7 @@ def read_text_mesh(path: Path, unit: float) -> SheetMesh:
     Args:
         path: the file.
         unit: length of one unit of the file [m].
+        curved: True for a sheet that need not be flat.
 
     Raises:
         InputError: the file is not such a text, or its mesh is no sheet; the line is named.
@@ -50,6 +51,7 @@ def read_text_mesh(path: Path, unit: float) -> SheetMesh:
         unit * nodes[:, 1:],
         _indices(path, sections["*facenodes"], faces[:, 1:], ids),
         _indices(path, sections["*edges"], edges[:, 1:], ids),
+        curved=curved,
     )
 
 

@@ -11,10 +11,17 @@ from sheetmorph.core.errors import InputError
 from sheetmorph.geometry.mesh import Floats, Ints, SheetMesh
 
 MAX_NODES = 2_000_000
+_NO_AREA = 1e-9  # twice the area of a triangle over its longest side squared
 MAX_COORDINATE = 1e9  # [m]; squares and products of coordinates must not overflow
 
 
-def build_mesh(nodes: ArrayLike, triangles: ArrayLike, edges: ArrayLike | None = None) -> SheetMesh:
+def build_mesh(
+    nodes: ArrayLike,
+    triangles: ArrayLike,
+    edges: ArrayLike | None = None,
+    *,
+    curved: bool = False,
+) -> SheetMesh:
     """Check a triangle mesh and derive its edges and hinges.
 
     Args:
@@ -22,6 +29,8 @@ def build_mesh(nodes: ArrayLike, triangles: ArrayLike, edges: ArrayLike | None =
         triangles: node indices from 0, shape (T, 3), counter-clockwise seen from +z.
         edges: the edges in the order and orientation to keep, shape (E, 2); derived
             from the triangles (lower node first, sorted) when absent.
+        curved: True for a sheet that need not be flat: it keeps its z, and no triangle may
+            face down; vertical ones may be there.
 
     Returns:
         The mesh. Hinges follow the order of the edges and run the way the edges run.
@@ -30,7 +39,7 @@ def build_mesh(nodes: ArrayLike, triangles: ArrayLike, edges: ArrayLike | None =
         InputError: the arrays are no flat, connected, manifold, counter-clockwise
             sheet; the message names the first node, triangle or edge at fault.
     """
-    points = _checked_nodes(nodes)
+    points = _checked_nodes(nodes, curved)
     faces = _checked_triangles(triangles, points)
     halves = np.concatenate([faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [2, 0]]])
     opposite = np.concatenate([faces[:, 2], faces[:, 0], faces[:, 1]])
@@ -41,7 +50,7 @@ def build_mesh(nodes: ArrayLike, triangles: ArrayLike, edges: ArrayLike | None =
     return SheetMesh(points, faces, given, hinges, hinge_edges)
 
 
-def _checked_nodes(nodes: ArrayLike) -> Floats:
+def _checked_nodes(nodes: ArrayLike, curved: bool) -> Floats:
     points = np.array(nodes, dtype=np.float64)
     if points.ndim != 2 or points.shape[1] not in (2, 3) or len(points) < 3:
         raise InputError(
@@ -60,6 +69,8 @@ def _checked_nodes(nodes: ArrayLike) -> Floats:
         )
     if points.shape[1] == 2:
         return np.column_stack([points, np.zeros(len(points))])
+    if curved:
+        return points
     spread, extent = float(np.ptp(points[:, 2])), float(np.ptp(points[:, :2], axis=0).max())
     if spread > 1e-9 * max(extent, 1e-300):
         worst = int(np.argmax(np.abs(points[:, 2] - np.median(points[:, 2]))))
@@ -85,15 +96,16 @@ def _checked_triangles(triangles: ArrayLike, points: Floats) -> Ints:
             allowed=f"0 to {len(points) - 1}",
         )
     faces = np.ascontiguousarray(raw, dtype=np.int32)
-    a, b, c = (points[faces[:, k], :2] for k in range(3))
+    a, b, c = (points[faces[:, k]] for k in range(3))
     u, v, w = b - a, c - a, c - b
-    doubled = u[:, 0] * v[:, 1] - u[:, 1] * v[:, 0]
+    doubled = np.cross(u, v)
     longest2 = np.maximum.reduce([(u * u).sum(1), (v * v).sum(1), (w * w).sum(1)])
-    degenerate = np.abs(doubled) <= 1e-9 * longest2
+    degenerate = np.linalg.norm(doubled, axis=1) <= _NO_AREA * longest2
     if degenerate.any():
         index = int(np.argmax(degenerate))
         raise InputError(f"triangle {index} is degenerate (no area)", value=faces[index].tolist())
-    flipped = doubled < 0
+    # Flat triangles have all their area in the plan; vertical ones have none.
+    flipped = doubled[:, 2] < -_NO_AREA * longest2
     if flipped.any():
         index = int(np.argmax(flipped))
         raise InputError(

@@ -1,4 +1,4 @@
-"""Writing deformed sheets: STL for making, a ParaView series for looking."""
+"""Writing sheets: STL for making, a ParaView series for looking, text for reading again."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from sheetmorph.core.errors import InputError
 from sheetmorph.core.files import write_bytes, write_text
-from sheetmorph.geometry.mesh import Floats
+from sheetmorph.geometry.mesh import Floats, SheetMesh
 from sheetmorph.geometry.surface import triangle_normals
 
 _TYPES = {"f8": "Float64", "i4": "Int32", "u1": "UInt8"}
@@ -39,6 +39,30 @@ def write_stl(path: str | Path, triangles: ArrayLike, positions: ArrayLike) -> N
     # A binary file must not begin with "solid", the mark of the text format.
     header = b"sheetmorph".ljust(80, b"\0") + np.uint32(len(faces)).astype("<u4").tobytes()
     write_bytes(path, header + data.tobytes())
+
+
+def write_mesh(path: str | Path, mesh: SheetMesh, unit: float = 1.0) -> None:
+    """Write a mesh in the text format of the published meshes; `read_mesh` reads it again.
+
+    Nodes, triangles and edges keep their order and direction, coordinates all their digits.
+
+    Args:
+        path: the file, which should end in `.txt`.
+        mesh: flat or curved.
+        unit: length of one unit of the file [m].
+
+    Raises:
+        OutputError: the file cannot be written.
+    """
+    lines: list[str] = []
+    for title, rows in (
+        ("*shellNodes", (mesh.nodes / unit).tolist()),
+        ("*FaceNodes", mesh.triangles.tolist()),
+        ("*Edges", mesh.edges.tolist()),
+    ):
+        lines.append(title)
+        lines += [f"{k}, {', '.join(map(repr, row))}" for k, row in enumerate(rows)]
+    write_text(path, "\n".join([*lines, ""]))
 
 
 def write_vtu_series(
