@@ -6,6 +6,7 @@ import datetime
 import tomllib
 
 import pytest
+from laminates import LAMINATE
 
 from sheetmorph.core.errors import InputError
 from sheetmorph.design.spec import Design
@@ -273,7 +274,53 @@ def places(data, path=()):
             yield from places(value, (*path, key))
 
 
-def test_any_value_at_any_place_is_fine_or_an_input_error(design):
+LOADED = f"""{LAMINATE}
+[laminate]
+thickening = "none"
+[[supports]]
+kind = "box"
+x = ["-20 mm", "-20 mm"]
+y = ["-10 mm", "10 mm"]
+z = ["0 mm", "0 mm"]
+hold = ["x", "y"]
+clamp = true
+[[supports]]
+kind = "symmetry"
+plane = "y"
+at = "-10 mm"
+[[loads]]
+kind = "point"
+at = ["20 mm", "0 mm"]
+force = ["0 N", "0 N", "1 N"]
+[[loads]]
+kind = "line"
+x = ["20 mm", "20 mm"]
+y = ["-10 mm", "10 mm"]
+force_per_length = ["0 N/m", "0 N/m", "1 N/m"]
+[[loads]]
+kind = "area"
+force_per_area = ["0 Pa", "0 Pa", "1 Pa"]
+[[loads]]
+kind = "weight"
+gravity = "9.81 m/s^2"
+direction = [0, 0, -1]
+""".replace(
+    "eps_pre = -0.3",
+    """eps_pre = -0.3
+under_pattern = 0.1
+transverse = 0.2
+direction = "radial"
+centre = ["1 mm", "1 mm"]""",
+).replace(
+    'role = "active"',
+    """role = "active"
+eigenstrain_factor = 0.5""",
+)
+
+
+@pytest.mark.parametrize("model", ["published", "laminate"])
+def test_any_value_at_any_place_is_fine_or_an_input_error(design, model):
+    design = design if model == "published" else Design.from_toml(LOADED)
     for path in places(tomllib.loads(design.source)):
         key = ".".join(map(str, path))
         for value in ODD:

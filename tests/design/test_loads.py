@@ -11,6 +11,9 @@ from sheetmorph.design.check import describe, format_description
 from sheetmorph.design.loads import load_forces
 from sheetmorph.design.regions import regions
 from sheetmorph.design.spec import Design
+from sheetmorph.design.supports import directed_edges, held_components
+from sheetmorph.geometry.files import write_mesh
+from sheetmorph.geometry.structured import ring_sector
 
 POINT = 'kind = "point"\nat = ["20 mm", "0 mm"]\nforce = ["0 N", "0 N", "4 mN"]'
 RIGHT = 'x = ["20 mm", "20 mm"]\ny = ["-10 mm", "10 mm"]'
@@ -205,3 +208,50 @@ def test_nothing_that_moves():
 def test_the_published_model_has_no_loads():
     with pytest.raises(InputError, match=r"loads\[0\].kind: belongs to the laminate model"):
         loaded(AREA, text=LAMINATE.replace('"laminate"', '"published"'))
+
+
+RING = """\
+name = "ring"
+model = "laminate"
+[outline]
+kind = "disc"
+radius = "10 m"
+[[outline.cutouts]]
+kind = "disc"
+radius = "6 m"
+[[layers]]
+name = "shell"
+role = "inert"
+thickness = "3 cm"
+young_modulus = "21 MPa"
+poisson_ratio = 0.0
+[[supports]]
+kind = "nodes"
+nodes = [0, 1, 2, 3, 4]
+clamp = true
+[[loads]]
+kind = "line"
+nodes = [200, 201, 202, 203, 204]
+force_per_length = ["0 N/m", "0 N/m", "0.8 N/m"]
+[mesh]
+file = "ring.txt"
+unit = "m"
+"""
+
+
+def test_the_two_faces_of_a_slit_are_told_apart_by_their_nodes(tmp_path):
+    write_mesh(tmp_path / "ring.txt", ring_sector(6.0, 10.0, 4, 40))
+    design = Design.from_toml(RING, tmp_path)
+    mesh = design.build_mesh()
+    region = regions(design, mesh)
+    assert np.flatnonzero(held_components(design, mesh, region).all(axis=1)).tolist() == [*range(5)]
+    edges, conormal = directed_edges(design, mesh, region)
+    assert len(edges) == 4
+    assert np.array_equal(conormal, np.tile([0.0, -1.0, 0.0], (4, 1)))
+    got = load_forces(design, mesh, region)
+    assert got[200:, 2] == pytest.approx([0.4, 0.8, 0.8, 0.8, 0.4], rel=1e-12)
+    assert got.sum() == pytest.approx(4 * 0.8, rel=1e-12)
+    at = RING.replace("nodes = [200, 201, 202, 203, 204]", 'at = ["8 m", "0 m"]')
+    at = at.replace('"line"', '"point"').replace("force_per_length", "force").replace("N/m", "N")
+    with pytest.raises(InputError, match=r"name one by node .*allowed: 2, 202"):
+        forces(Design.from_toml(at, tmp_path), mesh)

@@ -123,16 +123,16 @@ def thermal_strain(design: Design, mesh: SheetMesh, region: Regions) -> Floats:
 def triangle_share(design: Design, mesh: SheetMesh, region: Regions) -> Floats:
     """Share of the free strain that active layers have at each triangle's centroid, (T,).
 
-    1 with a profile that does not depend on the pattern, and where no inert layer lies in a
-    part of it. Else u + (1 − u) s, with u = `under_pattern` and s the profile at the distance
-    from the inert parts, 0 inside them.
+    1 with a profile that does not depend on the pattern, where no inert layer lies in a part
+    of it, and without actuation. Else u + (1 − u) s, with u = `under_pattern` and s the
+    profile at the distance from the inert parts, 0 inside them.
 
     Raises:
         InputError: as for `edge_distance`.
     """
     options = design.actuation
     covered = covered_cells(design, region)
-    if options.whole_sheet or not covered.any():
+    if options.whole_sheet or not covered.any() or design.eps_pre == 0.0:
         return np.ones(len(mesh.triangles))
     inside = covered[region.triangle_cell]
     _, farthest = edge_distance(design, mesh, region)

@@ -92,14 +92,12 @@ class Actuation(Section):
                 f"the {self.profile} profile has no gamma; remove it, or choose exponential",
                 key="gamma",
             )
-        if self.whole_sheet:
-            for key in ("under_pattern", "distance"):
-                if key in self.model_fields_set:
-                    raise problem(
-                        f"the {self.profile} profile does not depend on the pattern; remove it",
-                        key=key,
-                        value=getattr(self, key),
-                    )
+        if self.whole_sheet and "under_pattern" in self.model_fields_set:
+            raise problem(
+                f"the {self.profile} profile does not depend on the pattern; remove it",
+                key="under_pattern",
+                value=self.under_pattern,
+            )
         self._check_radial(radial)
         return self
 

@@ -69,6 +69,7 @@ def describe(design: Design, mesh: SheetMesh | None = None) -> dict[str, Any]:
             "eps_pre": design.eps_pre,
             "eps_pre_scatter": design.eps_pre_scatter,
             "temperature": design.actuation.temperature,
+            "table": design.actuation.radial_profile,
             "greatest_distance": (
                 edge_distance(design, mesh, region)[1]
                 if covered_cells(design, region).any() and not design.actuation.whole_sheet
@@ -152,6 +153,8 @@ def format_description(report: dict[str, Any]) -> str:
     scatter = actuation["eps_pre_scatter"]
     at = at if scatter is None else f" ± {scatter:.2g}{at}"
     far = "everywhere" if reach is None else f"reached {_mm(reach)} from the pattern"
+    table = actuation["table"]
+    what = "eps_pre" if table is None else f"strains of {table}, times"
     held = support["held_nodes"]
     holds = f"{held} nodes held" if held else "free sheet, rigid motions removed"
     if report["directed_edges"]:
@@ -160,7 +163,7 @@ def format_description(report: dict[str, Any]) -> str:
     net = ", ".join(f"{part + 0.0:.3g}" for part in load["net_force"])
     lines += [
         _row("mass", f"{1e3 * report['mass']:.4g} g"),
-        _row("actuation", f"eps_pre {actuation['eps_pre']:+.4g}{at}, {far}"),
+        _row("actuation", f"{what} {actuation['eps_pre']:+.4g}{at}, {far}"),
         _row("supports", f"{holds}, {support['free_dofs']} degrees of freedom"),
         *(
             [_row("loads", f"{load['total_force']:.3g} N in all, net ({net}) N")]

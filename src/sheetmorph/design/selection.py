@@ -13,7 +13,9 @@ from sheetmorph.geometry.mesh import SheetMesh
 Bools = NDArray[np.bool_]
 
 TOLERANCE = 1e-9
-"""Width of the faces of a box and of a plane, as a fraction of the size of the sheet."""
+"""Width of the faces of a box, as a fraction of the size of the sheet."""
+PLANE = 1e-6
+"""Width of a plane: files may keep coordinates in single precision."""
 
 
 def in_box(mesh: SheetMesh, *intervals: tuple[float, float] | None) -> Bools:
@@ -34,7 +36,7 @@ def in_box(mesh: SheetMesh, *intervals: tuple[float, float] | None) -> Bools:
 
 def on_plane(mesh: SheetMesh, axis: int, value: float) -> Bools:
     """Nodes whose coordinate along an axis has a value [m], shape (V,)."""
-    return np.asarray(np.abs(mesh.nodes[:, axis] - value) <= TOLERANCE * mesh.size)
+    return np.asarray(np.abs(mesh.nodes[:, axis] - value) <= PLANE * mesh.size)
 
 
 def of_indices(mesh: SheetMesh, nodes: Sequence[int], key: str) -> Bools:
