@@ -14,6 +14,7 @@ from sheetmorph.design.actuation import (
     triangle_eigenstrain,
     triangle_share,
 )
+from sheetmorph.design.check import describe, format_description
 from sheetmorph.design.radial import parse_radial
 from sheetmorph.design.regions import regions
 from sheetmorph.design.spec import Design
@@ -353,3 +354,9 @@ def test_strains_beyond_use(strip, values):
     message = str(caught.value)
     assert message.startswith("layers[0].eigenstrain_factor: a free strain of film")
     assert "above -0.95 to 4" in message
+
+
+def test_check_names_the_table(with_table, strip):
+    report = describe(with_table(eps_pre=0.5), strip)
+    assert report["actuation"]["table"] == "growth.csv"
+    assert "strains of growth.csv, times +0.5, everywhere" in format_description(report)
