@@ -23,6 +23,7 @@ MAY_IMPORT: dict[str, set[str]] = {
     "calibrate": {*STUDY, "study"},
     "paper": {*STUDY, "study"},
     "proofs": {*STUDY, "study"},
+    "twin": {"core", "geometry", "design", "solve", "study"},
     "show": {
         "core",
         "geometry",
@@ -37,7 +38,7 @@ MAY_IMPORT: dict[str, set[str]] = {
     "fabricate": {"core", "geometry", "drawing", "design"},
     "cli": {
         *STUDY,
-        *("study", "calibrate", "paper", "proofs", "show", "fabricate"),
+        *("study", "calibrate", "paper", "proofs", "twin", "show", "fabricate"),
     },
 }
 PLOTTING = {"matplotlib", "vtkmodules", "vtk", "PIL", "jinja2", "rich", "click"}
