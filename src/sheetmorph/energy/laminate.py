@@ -35,10 +35,10 @@ class LaminateShell:
 
     name = "laminate"
     reference = (
-        "classical lamination theory with eigenstrains; mid-edge directors: Grinspun, Gingold, "
-        "Reisman, Zorin, Computing discrete shape operators on general meshes, 2006, and Chen, "
-        "Sageman-Furnas, Vouga, Thin shell simulation with natural metrics, 2018; Morley, The "
-        "constant-moment plate-bending element, 1971"
+        "classical lamination theory with eigenstrains; Chen, Sastry, van Rees, Vouga, Physical "
+        "simulation of environmentally induced thin shell deformation, 2018; mid-edge directors: "
+        "Grinspun, Gingold, Reisman, Zorin, Computing discrete shape operators on general meshes, "
+        "2006; Morley, The constant-moment plate-bending element, 1971"
     )
     linear = False
     linear_in_ramp = False

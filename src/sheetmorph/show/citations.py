@@ -77,6 +77,20 @@ _ALL = (
         "discrete shells with a natural first and second form",
     ),
     Citation(
+        "morley1971",
+        "L. S. D. Morley",
+        "The constant-moment plate-bending element",
+        "Journal of Strain Analysis 6, 1971, 20–24",
+        "directors on the edges, with which bending converges on any mesh",
+    ),
+    Citation(
+        "grinspun2006",
+        "E. Grinspun, Y. Gingold, J. Reisman, D. Zorin",
+        "Computing discrete shape operators on general meshes",
+        "Computer Graphics Forum 25, 2006, 547–556",
+        "curvature of a triangle from normals at its edges",
+    ),
+    Citation(
         "nocedal2006",
         "J. Nocedal, S. J. Wright",
         "Numerical Optimization, 2nd edition",
@@ -136,7 +150,7 @@ _ALL = (
 
 _BY_MODEL = {
     "published": ("zhang", "grinspun2003", "seung1988", "tamstorf2013"),
-    "laminate": ("zhang", "timoshenko1925", "vanrees2017", "chen2018"),
+    "laminate": ("morley1971", "grinspun2006", "timoshenko1925", "vanrees2017", "chen2018"),
 }
 _BY_SOLVER = {"mkl": "schenk2004", "pardiso": "schenk2004", "rslab": "rslab", "scipy": "li2005"}
 _ALWAYS = ("nocedal2006", "lam2015", "fritsch1980", "hunter2007")
