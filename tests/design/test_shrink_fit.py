@@ -37,6 +37,26 @@ def rows_of(shift: float = 0.0, deviation: float = 0.01, repeats: int = 6, seed:
     return "\n".join(lines)
 
 
+def european(text: str) -> str:
+    """The text as a spreadsheet writes it where the comma is the decimal sign."""
+    return text.replace(",", ";").replace(".", ",").replace("366,5", "366.5")
+
+
+def test_tables_with_semicolons_and_decimal_commas() -> None:
+    text = rows_of()
+    assert holds_raw_rows(european(text))
+    curves = [fit_shrinkage(parse_shrinkage(one, "a")).curve for one in (text, european(text))]
+    assert "0,95" in european(text)
+    assert curve_text(curves[0]) == curve_text(curves[1])
+    written = curve_text(curves[0])
+    assert not holds_raw_rows(european(written))
+    np.testing.assert_array_equal(
+        parse_curve(european(written), "a").length_ratios, parse_curve(written, "a").length_ratios
+    )
+    with pytest.raises(InputError, match="line 3: write two numbers with a semicolon"):
+        parse_curve("temperature [degC];L/L0\n20;1,0\n30,5\n", "a")
+
+
 def test_the_fit_is_monotone_and_close_to_the_truth():
     fit = fit_shrinkage(parse_shrinkage(rows_of(), "rows"))
     assert fit.trend == "falls"
@@ -196,7 +216,7 @@ HEAD = "temperature [degC], sample, L/L0\n"
         ("temperature [mm], L/L0, note\n20, 1, a\n", "line 1, column temperature: .*not a unit"),
         ("temperature [degC], lenght, L/L0\n20, 1, 1\n", "line 1: the column lenght is not known"),
         ("temperature [degC], L/L0, L/L0\n20, 1, 1\n", "line 1: .* is there twice"),
-        ("temperature [degC]; L/L0; x\n20; 1; 1\n", "line 1: separate the columns by commas"),
+        ("temperature [degC]; L/L0; x\n20; 1; 1\n", "line 1: the column x is not known"),
         ("T/Tg, sample, L/L0\n1, a, 1\n", 'needs a line "# Tg = 366.5 K"'),
         ("# Tg = hot\n" + HEAD + "20, a, 1\n", "the comment # Tg = …: write a temperature"),
         (HEAD + "20, a, 1\n\n# x\n30, a, nan\n", "line 5, column L/L0: write a finite number"),

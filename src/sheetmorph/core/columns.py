@@ -2,6 +2,8 @@
 
 The first line that is no comment holds the titles, such as `length [mm], force [N], sample`;
 lines that begin with `#` are comments, and `# Tg = 366.5 K` among them is a named remark.
+Where the titles are separated by semicolons or tabs so are the rows, as spreadsheets write
+them where the comma is the decimal sign; then numbers may be written with it.
 """
 
 from __future__ import annotations
@@ -11,6 +13,7 @@ import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -25,6 +28,7 @@ MAX_TITLE = 120
 
 _TITLE = re.compile(r"([^\[\]]{1,60}?)\s*(?:\[\s*([^\[\]]{0,40}?)\s*\])?")
 _NUMBER = re.compile(r"[+-]?(?:[0-9]+(?:\.[0-9]*)?|\.[0-9]+)(?:[eE][+-]?[0-9]{1,3})?")
+_WITH_COMMA = re.compile(r"[+-]?[0-9]*,[0-9]*(?:[eE][+-]?[0-9]{1,3})?")
 
 
 @dataclass(frozen=True)
@@ -38,6 +42,8 @@ class Table:
         rows: the cells of each row, as many as there are titles.
         remarks: the comments, without their `#`.
         head: number of the line of the titles.
+        comma: whether numbers have a decimal comma, "no", "yes", or "mixed" where there are
+            points as well, so that 1,234 may be a thousand or one.
     """
 
     titles: tuple[str, ...]
@@ -46,6 +52,7 @@ class Table:
     rows: tuple[tuple[str, ...], ...]
     remarks: tuple[str, ...]
     head: int
+    comma: Literal["no", "yes", "mixed"] = "no"
 
     def __contains__(self, title: str) -> bool:
         return title.lower() in self.titles
@@ -148,11 +155,20 @@ class Table:
 
     def _cell(self, row: int, place: int, title: str) -> float:
         text = self.rows[row][place].replace("−", "-")
+        if self.comma == "mixed" and _WITH_COMMA.fullmatch(text):
+            raise InputError(
+                f"line {self.lines[row]}, column {title}: the table has decimal commas and "
+                "decimal points; write all numbers with one of them",
+                value=text,
+            )
+        if self.comma == "yes":
+            text = text.replace(",", ".")
         if not _NUMBER.fullmatch(text):
             what = (
                 "the cell is empty"
                 if not text
-                else "write a finite number, with a point and no comma"
+                else "write a finite number, with a decimal point, or with a decimal comma in "
+                "a table that is separated by semicolons"
             )
             raise InputError(f"line {self.lines[row]}, column {title}: {what}", value=text or None)
         return float(text)
@@ -215,17 +231,31 @@ def parse_table(text: str, *, max_rows: int = MAX_ROWS) -> Table:
     if len(kept) - 1 > max_rows:
         raise InputError("has too many rows", value=len(kept) - 1, allowed=f"≤ {max_rows}")
     head, heading = kept[0]
-    titles, units = _titles(head, heading)
-    rows = tuple(_cells(number, line, len(titles)) for number, line in kept[1:])
+    separator = separator_of(heading)
+    titles, units = _titles(head, _split(head, heading, separator))
+    rows = tuple(_cells(number, line, len(titles), separator) for number, line in kept[1:])
     if not rows:
         raise InputError(f"has no rows below the titles in line {head}")
-    return Table(titles, units, tuple(n for n, _ in kept[1:]), rows, tuple(remarks), head)
+    lines = tuple(n for n, _ in kept[1:])
+    comma = "no" if separator == "," else _decimal_comma(rows)
+    return Table(titles, units, lines, rows, tuple(remarks), head, comma)
 
 
-def _titles(head: int, heading: str) -> tuple[tuple[str, ...], tuple[str | None, ...]]:
-    cells = _split(head, heading)
-    if len(cells) == 1 and (";" in heading or "\t" in heading):
-        raise InputError(f"line {head}: separate the columns by commas", value=heading)
+def separator_of(heading: str) -> str:
+    """What separates the columns: what separates the titles."""
+    if "," in heading:
+        return ","
+    return next((mark for mark in ";\t" if mark in heading), ",")
+
+
+def _decimal_comma(rows: tuple[tuple[str, ...], ...]) -> Literal["no", "yes", "mixed"]:
+    cells = [cell.replace("−", "-") for row in rows for cell in row]
+    if not any(_WITH_COMMA.fullmatch(cell) for cell in cells):
+        return "no"
+    return "mixed" if any("." in cell and _NUMBER.fullmatch(cell) for cell in cells) else "yes"
+
+
+def _titles(head: int, cells: list[str]) -> tuple[tuple[str, ...], tuple[str | None, ...]]:
     if len(cells) > MAX_COLUMNS:
         raise InputError(f"line {head}: has too many columns", allowed=f"≤ {MAX_COLUMNS}")
     titles: list[str] = []
@@ -244,15 +274,16 @@ def _titles(head: int, heading: str) -> tuple[tuple[str, ...], tuple[str | None,
     return tuple(titles), tuple(units)
 
 
-def _cells(number: int, line: str, count: int) -> tuple[str, ...]:
-    cells = _split(number, line)
+def _cells(number: int, line: str, count: int, separator: str) -> tuple[str, ...]:
+    cells = _split(number, line, separator)
     if len(cells) != count:
         raise InputError(f"line {number}: has {len(cells)} cells under {count} titles", value=line)
     return tuple(cells)
 
 
-def _split(number: int, line: str) -> list[str]:
+def _split(number: int, line: str, separator: str) -> list[str]:
     try:
-        return [cell.strip() for cell in next(csv.reader([line], skipinitialspace=True))]
+        found = next(csv.reader([line], skipinitialspace=True, delimiter=separator))
     except (csv.Error, StopIteration):
         raise InputError(f"line {number}: cannot be read as CSV", value=line) from None
+    return [cell.strip() for cell in found]

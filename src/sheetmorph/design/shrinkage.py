@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from sheetmorph.core.columns import read_text
+from sheetmorph.core.columns import read_text, separator_of
 from sheetmorph.core.errors import InputError
 from sheetmorph.core.units import format_si, to_si
 from sheetmorph.geometry.mesh import Floats
@@ -29,6 +29,7 @@ BUILT_IN = ("polystyrene",)
 MAX_ROWS = 100_000
 _HEADERS = '"temperature [degC], L/L0", or "T/Tg, L/L0" below a line "# Tg = 366.5 K"'
 _SCATTER = "std"
+_MARKS = {",": "a comma", ";": "a semicolon", "\t": "a tab"}
 
 
 @dataclass(frozen=True, eq=False)
@@ -106,12 +107,13 @@ def load_curve(design: Design) -> ShrinkCurve:
 def holds_raw_rows(text: str) -> bool:
     """True for text of measured rows, to be fitted; False for that of a curve."""
     lines = [line for line in text.splitlines() if line.strip() and line.lstrip()[0] != "#"]
-    titles = [title.strip().lower() for title in lines[0].split(",")] if lines else []
+    mark = separator_of(lines[0]) if lines else ","
+    titles = [title.strip().lower() for title in lines[0].split(mark)] if lines else []
     if titles[1:] == ["l/l0", _SCATTER]:
         return False
     if len(titles) != 2:
         return len(titles) > 2
-    temperatures = [line.split(",")[0].strip() for line in lines[1:]]
+    temperatures = [line.split(mark)[0].strip() for line in lines[1:]]
     return titles[1] == "l/l0" and len(set(temperatures)) < len(temperatures)
 
 
@@ -140,8 +142,9 @@ def parse_curve(text: str, name: str) -> ShrinkCurve:
     if len(lines) > MAX_ROWS:
         raise InputError("has too many rows", value=len(lines), allowed=f"≤ {MAX_ROWS}")
     scale = _temperature_reader(lines[0], None if glass is None else glass[1].strip())
-    wanted = len(lines[0][1].split(","))
-    rows = [_row(number, line, wanted) for number, line in lines[1:]]
+    mark = separator_of(lines[0][1])
+    wanted = len(lines[0][1].split(mark))
+    rows = [_row(number, line, wanted, mark) for number, line in lines[1:]]
     if len(rows) < 2:
         raise InputError("needs at least two points")
     temperatures = np.array([scale(row[0]) for row in rows])
@@ -195,8 +198,9 @@ class _Reader:
 
 def _temperature_reader(header: tuple[int, str], glass: str | None) -> _Reader:
     number, line = header
-    titles = [title.strip().lower() for title in line.split(",")]
-    unit = re.fullmatch(r"temperature\s*\[\s*([^\]]{1,20}?)\s*\]", line.split(",")[0].strip(), re.I)
+    cells = [cell.strip() for cell in line.split(separator_of(line))]
+    titles = [cell.lower() for cell in cells]
+    unit = re.fullmatch(r"temperature\s*\[\s*([^\]]{1,20}?)\s*\]", cells[0], re.I)
     lengths = titles[1:] in (["l/l0"], ["l/l0", _SCATTER])
     if not lengths or not (unit or titles[0] == "t/tg"):
         raise InputError(f"line {number}: the header is not known", value=line, allowed=_HEADERS)
@@ -211,14 +215,17 @@ def _temperature_reader(header: tuple[int, str], glass: str | None) -> _Reader:
         raise InputError(f"line {number}: {error}") from None
 
 
-def _row(number: int, line: str, wanted: int) -> tuple[float, ...]:
+def _row(number: int, line: str, wanted: int, mark: str) -> tuple[float, ...]:
     words = {2: "two", 3: "three"}[wanted]
+    cells = line.split(mark)
+    if mark != ",":
+        cells = [cell.replace(",", ".") for cell in cells]  # a decimal comma
     try:
-        row = tuple(float(cell) for cell in line.split(","))
+        row = tuple(float(cell) for cell in cells)
     except ValueError:
         row = ()
     if len(row) != wanted:
-        raise InputError(f"line {number}: write {words} numbers with a comma", value=line)
+        raise InputError(f"line {number}: write {words} numbers with {_MARKS[mark]}", value=line)
     if not np.isfinite(row).all():
         raise InputError(f"line {number}: not a finite number", value=line)
     return row
