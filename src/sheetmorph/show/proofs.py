@@ -70,18 +70,20 @@ def write_proofs(outcomes: Sequence[Outcome], folder: str | Path) -> Path:
 def draw_plot(plot: Plot, path: Path) -> Path:
     """Draw the curves of one plot."""
     import matplotlib.pyplot as plt
+    from matplotlib.ticker import FuncFormatter, NullFormatter
 
     with style():
         figure, axes = plt.subplots(figsize=(7.0, 4.6), layout="constrained")
         for index, curve in enumerate(plot.curves):
             _draw(axes, curve, index)
         axes.set(xlabel=plot.x_label, ylabel=plot.y_label, title=plot.title)
-        if "x" in plot.log:
-            axes.set_xscale("log")
-        if "y" in plot.log:
-            axes.set_yscale("log")
+        for name, axis in (("x", axes.xaxis), ("y", axes.yaxis)):
+            if name in plot.log:
+                axes.set(**{f"{name}scale": "log"})
+                axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+                axis.set_minor_formatter(NullFormatter())
         axes.grid(alpha=0.3)
-        axes.legend(frameon=False)
+        figure.legend(loc="outside lower center", ncols=2)
         figure.savefig(path, dpi=130)
         plt.close(figure)
     return path
