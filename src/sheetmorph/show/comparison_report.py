@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from importlib.resources import files
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from sheetmorph import __version__
 from sheetmorph.core.files import write_text
 from sheetmorph.show.citations import Citation
 from sheetmorph.show.comparison_numbers import banner_of, facts_of, lead_of, told_of
+from sheetmorph.show.page import rendered
 from sheetmorph.show.report import picture_of
 
 if TYPE_CHECKING:
@@ -83,15 +82,10 @@ def write_page(
         OutputError: it cannot be written.
         InputError: a picture cannot be read.
     """
-    from jinja2 import Environment, StrictUndefined
-
-    template = files("sheetmorph.show").joinpath("templates", TEMPLATE).read_text("utf-8")
-    environment = Environment(
-        autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True
-    )
     title = f"{names.shape} and {names.scan}"
     shown = [picture_of(file, _CAPTIONS[file.name], True, title) for file in pictures]
-    page = environment.from_string(template).render(
+    page = rendered(
+        TEMPLATE,
         title=title,
         lead=lead_of(names, data),
         banner=banner_of(comparison),
@@ -100,7 +94,6 @@ def write_page(
         pictures=shown,
         groups=[{"title": name, "rows": rows} for name, rows in told_of(comparison, data).items()],
         references=_REFERENCES,
-        version=__version__,
     )
     write_text(path, page)
     return path

@@ -4,13 +4,11 @@ from __future__ import annotations
 
 import base64
 import json
-from importlib.resources import files
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from time import perf_counter
 from typing import Any
 
-from sheetmorph import __version__
 from sheetmorph.core.errors import InputError
 from sheetmorph.core.events import Listener, Progress, silent
 from sheetmorph.core.files import write_text
@@ -18,6 +16,7 @@ from sheetmorph.paper.redo import Chapter, Paper
 from sheetmorph.paper.rows import Row, Table, Value
 from sheetmorph.show import style
 from sheetmorph.show.citations import references
+from sheetmorph.show.page import rendered
 from sheetmorph.show.paper_figures import draw_figure
 from sheetmorph.show.render import RenderWorker
 
@@ -131,17 +130,13 @@ def render(
         renderer: who drew the shapes, "vtk" or "drawn".
         notes: lines for the reader.
     """
-    from jinja2 import Environment, StrictUndefined
-
-    template = files("sheetmorph.show").joinpath("templates", PAGE).read_text(encoding="utf-8")
-    environment = Environment(
-        autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True
-    )
     solver = next(
         (o.result.summary["solver"] for o in paper.outcomes.values() if o.result is not None), ""
     )
     used = {"model": "published", "solver": solver, "renderer": renderer}
-    return environment.from_string(template).render(
+    return rendered(
+        PAGE,
+        title="The paper redone",
         lead=_lead(paper),
         notes=notes,
         counts=[
@@ -152,7 +147,6 @@ def render(
         times=_times(paper, drawn, whole),
         machine=paper.machine,
         references=references(used),
-        version=__version__,
     )
 
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import base64
 from collections.abc import Sequence
-from importlib.resources import files
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -13,6 +12,7 @@ from sheetmorph.core.files import write_text
 from sheetmorph.show import film, pictures
 from sheetmorph.show.citations import references
 from sheetmorph.show.numbers import banner_of, facts_of, layers_of, lead_of, tables_of
+from sheetmorph.show.page import rendered
 
 if TYPE_CHECKING:
     from sheetmorph.study.result import Result
@@ -71,12 +71,6 @@ def write_report(
 
 def render(result: Result, folder: Path, *, notes: Sequence[str] = (), renderer: str = "") -> str:
     """The page of `write_report` as text."""
-    from jinja2 import Environment, StrictUndefined
-
-    template = files("sheetmorph.show").joinpath("templates", NAME).read_text(encoding="utf-8")
-    environment = Environment(
-        autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True
-    )
     design, summary = result.design, result.summary
     shown = [
         picture_of(folder / pictures.FOLDER / name, caption, wide, design.name)
@@ -84,8 +78,9 @@ def render(result: Result, folder: Path, *, notes: Sequence[str] = (), renderer:
         if (folder / pictures.FOLDER / name).is_file()
     ]
     used = {"model": design.model, **summary, "renderer": renderer}
-    return environment.from_string(template).render(
-        name=design.name,
+    return rendered(
+        NAME,
+        title=design.name,
         lead=lead_of(result),
         banner=banner_of(result),
         notes=list(notes),
