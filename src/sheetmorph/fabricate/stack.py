@@ -8,6 +8,7 @@ from itertools import combinations
 from typing import TYPE_CHECKING, Literal
 
 from sheetmorph.core.errors import InputError
+from sheetmorph.fabricate.makeable import check_makeable
 
 if TYPE_CHECKING:
     from shapely.geometry.base import BaseGeometry
@@ -48,8 +49,10 @@ def levels_of(design: Design) -> tuple[Level, ...]:
     """The layers from the bottom up, each upon the ones beneath its own part.
 
     Raises:
-        InputError: a part lies between two active films, where it cannot be glued on.
+        InputError: a part lies between two active films, where it cannot be glued on; or as for
+            `check_makeable`.
     """
+    check_makeable(design)
     layers = design.layers
     parts = {part.name: part for part in design.inert_parts}
     active = [index for index, layer in enumerate(layers) if layer.role == "active"]

@@ -124,4 +124,6 @@ def _named_files(design: Design) -> list[tuple[str, str]]:
         files.append(("mesh.file", design.spec.mesh.file))
     if design.actuation.temperature is not None and design.actuation.shrink_curve != "polystyrene":
         files.append(("actuation.shrink_curve", design.actuation.shrink_curve))
+    if design.actuation.radial_profile is not None:
+        files.append(("actuation.radial_profile", design.actuation.radial_profile))
     return files
