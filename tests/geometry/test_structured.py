@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from sheetmorph.core.errors import InputError
-from sheetmorph.geometry.structured import rectangle, ring_sector, sphere_sector
+from sheetmorph.geometry.structured import disc, rectangle, ring_sector, sphere_sector
 
 EDGE = math.radians(18.0)
 
@@ -48,6 +48,41 @@ def test_irregular_meshes_keep_their_rim():
     assert 0.2 < moved.max() <= 0.24
     assert np.array_equal(rectangle(2.0, 1.0, 10, 8, irregular=0.24, seed=3).nodes, mesh.nodes)
     assert (rectangle(2.0, 1.0, 10, 8, irregular=0.24, seed=4).nodes != mesh.nodes).any()
+
+
+@pytest.mark.parametrize("irregular", [0.0, 0.24])
+def test_disc(irregular):
+    mesh = disc(2.0, 5, irregular=irregular, seed=1)
+    assert mesh.counts == (91, 240, 150)
+    assert mesh.triangle_areas.min() > 0
+    radii = np.hypot(*mesh.nodes[:, :2].T)
+    assert radii[-30:] == pytest.approx(np.full(30, 2.0), rel=1e-12)
+    assert len(mesh.rim_edges) == 30
+    assert np.array_equal(mesh.nodes[0], [0.0, 0.0, 0.0])
+
+
+@pytest.mark.parametrize("irregular", [0.0, 0.24])
+def test_a_quarter_of_a_disc(irregular):
+    mesh = disc(2.0, 5, quarter=True, irregular=irregular, seed=1)
+    assert mesh.counts == (36, 85, 50)
+    assert mesh.triangle_areas.min() > 0
+    assert len(mesh.rim_edges) == 10 + 2 * 5
+    x, y, _ = mesh.nodes.T
+    assert (np.abs(x) < 1e-12).sum() == (np.abs(y) < 1e-12).sum() == 6
+    assert min(x.min(), y.min()) > -1e-12
+    assert np.hypot(x, y)[-11:] == pytest.approx(np.full(11, 2.0), rel=1e-12)
+
+
+def test_a_regular_disc_has_the_symmetry_of_a_hexagon():
+    mesh = disc(2.0, 4)
+    turn, cos, sin = np.eye(3), 0.5, math.sqrt(0.75)
+    turn[:2, :2] = [[cos, -sin], [sin, cos]]
+    edges = {tuple(sorted(edge)) for edge in mesh.edges.tolist()}
+    for change in (turn, np.diag([1.0, -1.0, 1.0])):
+        apart = np.linalg.norm(mesh.nodes[:, None] - mesh.nodes @ change, axis=2)
+        image = apart.argmin(axis=1)
+        assert apart.min(axis=1).max() < 1e-12
+        assert {tuple(sorted(image[list(edge)])) for edge in edges} == edges
 
 
 def test_a_whole_ring_is_slit():

@@ -1,7 +1,7 @@
-"""Regular meshes of simple sheets, for tests and proofs: rectangles, ring sectors, spheres.
+"""Regular meshes of simple sheets, for tests and proofs: rectangles, discs, rings, spheres.
 
-All are grids of nu × nv cells, each cut into two triangles. The node of column i and row j has the
-index j (nu + 1) + i, so that supports and loads may name it.
+All but the disc are grids of nu × nv cells, each cut into two triangles. The node of column i and
+row j has the index j (nu + 1) + i, so that supports and loads may name it.
 """
 
 from __future__ import annotations
@@ -48,10 +48,7 @@ def rectangle(
         InputError: a number of cells below 1, or an argument out of range.
     """
     _positive(width=width, height=height)
-    if not 0.0 <= irregular <= MAX_IRREGULAR:
-        raise InputError(
-            "is out of range", key="irregular", value=irregular, allowed=f"0 to {MAX_IRREGULAR}"
-        )
+    _fraction(irregular)
     triangles = _cells(nx, ny, pattern)
     i, j = _indices(nx, ny)
     shift = np.random.default_rng(seed).uniform(-irregular, irregular, (2, len(i)))
@@ -59,6 +56,60 @@ def rectangle(
     y = np.where((j > 0) & (j < ny), j + shift[1], j) / ny - 0.5
     nodes = np.column_stack([centre[0] + width * x, centre[1] + height * y])
     return build_mesh(nodes, triangles)
+
+
+def disc(
+    radius: float, rings: int, *, quarter: bool = False, irregular: float = 0.0, seed: int = 0
+) -> SheetMesh:
+    """A disc about the origin, of rings around a node in the middle; ring k has 6 k nodes.
+
+    Nodes count from the middle outward, in each ring counter-clockwise from the x axis. The mesh
+    has the symmetry of a regular hexagon.
+
+    Args:
+        radius: [m].
+        rings: number of rings.
+        quarter: only the quarter between the x and the y axis, for sheets cut at planes of
+            symmetry; ring k has 2 k + 1 nodes.
+        irregular: nodes are moved at random by up to this fraction of the distance of the rings,
+            along and around; those of the rim and the axes stay on them, the middle where it is.
+            0 to 0.24.
+        seed: of the random numbers.
+
+    Raises:
+        InputError: fewer than one ring, or an argument out of range.
+    """
+    _positive(radius=radius)
+    _fraction(irregular)
+    if rings < 1:
+        raise InputError("a disc needs rings", key="rings", value=rings, allowed="≥ 1")
+    # Sectors with k edges on ring k, each of this angle; a quarter is not closed.
+    sectors, angle = (2, math.pi / 4.0) if quarter else (6, math.pi / 3.0)
+    counts = [sectors * k + quarter for k in range(1, rings + 1)]
+    first = np.cumsum([1, *counts])
+    ring = np.repeat(np.arange(1, rings + 1), counts)
+    place = np.arange(1, first[-1]) - first[ring - 1]
+    shift = np.random.default_rng(seed).uniform(-irregular, irregular, (2, len(ring)))
+    ends = quarter & ((place == 0) | (place == sectors * ring))
+    r = np.where(ring < rings, ring + shift[0], ring) / rings
+    t = (place + np.where(ends, 0.0, shift[1])) * angle / ring
+    nodes = np.column_stack([np.append(0.0, r * np.cos(t)), np.append(0.0, r * np.sin(t))])
+    triangles = []
+    for k in range(1, rings + 1):
+        outer, inner = first[k - 1], first[k - 2] if k > 1 else 0
+        sector, step = np.divmod(np.arange(sectors * k), k)
+        on = sector * k + step
+        ahead = on + 1 if quarter else (on + 1) % counts[k - 1]
+        below = sector * (k - 1) + step
+        after = below + 1
+        if not quarter and k > 1:
+            below, after = below % counts[k - 2], after % counts[k - 2]
+        elif k == 1:
+            below = after = np.zeros_like(on)
+        triangles.append(np.column_stack([outer + on, outer + ahead, inner + below]))
+        between = step < k - 1
+        triangles.append(np.column_stack([inner + below, outer + ahead, inner + after])[between])
+    return build_mesh(radius * nodes, np.concatenate(triangles))
 
 
 def ring_sector(
@@ -151,6 +202,13 @@ def _positive(**values: float) -> None:
     for key, value in values.items():
         if not (math.isfinite(value) and value > 0.0):
             raise InputError("is out of range", key=key, value=value, allowed="> 0")
+
+
+def _fraction(irregular: float) -> None:
+    if not 0.0 <= irregular <= MAX_IRREGULAR:
+        raise InputError(
+            "is out of range", key="irregular", value=irregular, allowed=f"0 to {MAX_IRREGULAR}"
+        )
 
 
 def _turn(key: str, start: float, end: float, most: float) -> None:
