@@ -16,6 +16,7 @@ from sheetmorph.cli.material import material
 from sheetmorph.cli.new import new
 from sheetmorph.cli.paper import paper
 from sheetmorph.cli.run import run
+from sheetmorph.cli.verify import verify
 from sheetmorph.core.errors import SheetmorphError
 
 
@@ -34,7 +35,7 @@ def cli() -> None:
     """
 
 
-for _command in (new, check, run, compare, history, calibrate, fabricate, material, paper):
+for _command in (new, check, run, compare, history, calibrate, fabricate, material, paper, verify):
     cli.add_command(_command)
 
 

@@ -1,0 +1,184 @@
+"""What CalculiX itself says: the deck is exact, the laminate model agrees, *EXPANSION is not."""
+
+from __future__ import annotations
+
+import re
+import shutil
+import subprocess
+from pathlib import Path
+
+import numpy as np
+import pytest
+from twin_designs import BILAYER, FILM
+
+import sheetmorph as sm
+from sheetmorph.solve.constraints import align_to_reference
+from sheetmorph.twin.abaqus import abaqus_deck
+from sheetmorph.twin.agreement import agree
+from sheetmorph.twin.calculix import DeckOptions, Law
+from sheetmorph.twin.sheet import Sheet
+from sheetmorph.twin.solve import JOB, Twin, TwinOptions, solve_twin, write_twin
+
+pytestmark = pytest.mark.skipif(
+    shutil.which("ccx") is None, reason="CalculiX is not installed (apt-get install calculix-ccx)"
+)
+
+STRIP = """
+name = "strip"
+model = "laminate"
+
+[outline]
+kind = "rectangle"
+width = "24 mm"
+height = "3 mm"
+
+[[layers]]
+name = "film"
+role = "active"
+thickness = "0.3 mm"
+young_modulus = "1 MPa"
+poisson_ratio = 0.33
+
+[[layers]]
+name = "inert"
+role = "inert"
+thickness = "0.6 mm"
+young_modulus = "3 MPa"
+poisson_ratio = 0.33
+
+[actuation]
+eps_pre = -0.001
+profile = "uniform"
+
+[mesh]
+size = "1.5 mm"
+"""
+
+
+def options(steps: int, law: Law = "natural") -> TwinOptions:
+    return TwinOptions(DeckOptions(law, steps), time_limit=300.0)
+
+
+@pytest.mark.parametrize("thickening", ["volume_conserved", "none"])
+def test_a_free_film_takes_its_natural_shape(tmp_path: Path, thickening: str) -> None:
+    design = sm.Design.from_toml(FILM).with_values(
+        {
+            "actuation.transverse": -0.5,
+            "actuation.direction": "30 deg",
+            "laminate.thickening": thickening,
+        }
+    )
+    twin = solve_twin(design, tmp_path, options(2))
+    assert twin.completed
+    flat = twin.mesh.nodes
+    c, s = np.cos(np.pi / 6), np.sin(np.pi / 6)
+    turn = np.array([[c, -s], [s, c]])
+    stretch = turn @ np.diag([0.8, 1.1]) @ turn.T
+    wanted = np.column_stack([flat[:, :2] @ stretch.T, flat[:, 2]])
+    found = align_to_reference(twin.positions[-1:], wanted)[0]
+    np.testing.assert_allclose(found, wanted, atol=2e-8)
+
+
+def largest_stress(folder: Path, law: Law, degrees: float) -> float:
+    """Of a film [Pa] that is put into its natural shape, turned about y."""
+    _, solid, _ = write_twin(sm.Design.from_toml(FILM), folder, DeckOptions(law, 1))
+    angle = np.deg2rad(degrees)
+    c, s = np.cos(angle), np.sin(angle)
+    turn = np.array([[c, 0, s], [0, 1, 0], [-s, 0, c]])
+    stretch = np.diag([0.8, 0.8, 1 / 0.64 if law == "natural" else 0.8])
+    moves = 1e3 * (solid.nodes @ (turn @ stretch).T - solid.nodes)
+    boundary = "*BOUNDARY\n" + "".join(
+        f"{node},{axis + 1},{axis + 1},{value:.12g}\n"
+        for node, move in enumerate(moves, 1)
+        for axis, value in enumerate(move)
+    )
+    path = folder / f"{JOB}.inp"
+    text = re.sub(r"\*CLOAD\n(\d.*\n)*", "", path.read_text())
+    first, *steps = text.split("*STEP")
+    ends = [step.replace("*NODE FILE", boundary + "*NODE FILE") for step in steps[1:2]]
+    ends = [step.replace("*END STEP", "*EL PRINT, ELSET=G1\nS\n*END STEP") for step in ends]
+    path.write_text("*STEP".join([first, *ends]))
+    subprocess.run(["ccx", JOB], cwd=folder, check=True, capture_output=True, timeout=100)
+    rows = [line.split() for line in (folder / f"{JOB}.dat").read_text().splitlines()]
+    values = [list(map(float, row[2:])) for row in rows if len(row) == 8 and row[0].isdigit()]
+    assert values
+    return float(np.abs(values).max())
+
+
+@pytest.mark.parametrize("degrees", [0.0, 30.0, 90.0])
+def test_a_film_in_its_natural_shape_has_no_stress_however_it_is_turned(
+    tmp_path: Path, degrees: float
+) -> None:
+    assert largest_stress(tmp_path, "natural", degrees) < 1e-2  # of 1 MPa
+
+
+def test_expansion_sees_a_turn_as_strain(tmp_path: Path) -> None:
+    """CalculiX takes the thermal strain e from F itself, and so from a turned one too.
+
+    With F = (1 + e) R and R a turn by 90°, (F − e I)ᵀ (F − e I) = ((1 + e)² + e²) I in the
+    plane of the turn: of e = −0.2 there is left a strain of ½ (0.68 − 1) = −0.16.
+    """
+    (tmp_path / "still").mkdir()
+    (tmp_path / "turned").mkdir()
+    assert largest_stress(tmp_path / "still", "expansion", 0.0) < 1e-2
+    found = largest_stress(tmp_path / "turned", "expansion", 90.0)
+    if found < 1e-2:
+        pytest.skip("this version of CalculiX has another law of expansion")
+    lame, shear = 1e6 * 0.3 / (1.3 * 0.4), 1e6 / 2.6
+    stress = 2 * lame * -0.16 + 2 * shear * -0.16  # second Piola and Kirchhoff's
+    assert found == pytest.approx(abs(stress) / 0.8, rel=0.01)
+
+
+def test_a_narrow_strip_has_timoshenkos_curvature(tmp_path: Path) -> None:
+    twin = solve_twin(sm.Design.from_toml(STRIP), tmp_path, options(1))
+    m, n, h = 0.5, 1 / 3, 0.9e-3
+    wanted = 6e-3 * (1 + m) ** 2 / (h * (3 * (1 + m) ** 2 + (1 + m * n) * (m**2 + 1 / (m * n))))
+    x, y, z = twin.positions[-1].T
+    inner = np.abs(x) < 8e-3
+    columns = np.column_stack([x**2 / 2, y**2 / 2, x * y, x, y, np.ones_like(x)])[inner]
+    curvature = np.linalg.lstsq(columns, z[inner], rcond=None)[0][0]
+    assert abs(curvature) == pytest.approx(wanted, rel=0.01)
+
+
+@pytest.fixture(scope="module")
+def rolled(tmp_path_factory: pytest.TempPathFactory) -> tuple[sm.Design, Twin]:
+    """A strip that shrinks by 10 % and turns by 100° in all."""
+    design = sm.Design.from_toml(STRIP).with_values({"actuation.eps_pre": -0.1})
+    return design, solve_twin(design, tmp_path_factory.mktemp("rolled"), options(5))
+
+
+@pytest.mark.slow
+def test_the_laminate_model_agrees_at_large_rotation(rolled: tuple[sm.Design, Twin]) -> None:
+    design, twin = rolled
+    found = agree(design, twin).to_json()
+    assert found["twin"]["ended"] == "completed"
+    assert found["node_rms_percent_of_size"] < 0.5
+    assert found["aspect_ratio"]["twin"] == pytest.approx(found["aspect_ratio"]["shape"], rel=0.02)
+
+
+@pytest.mark.slow
+def test_the_usual_deck_curls_less(rolled: tuple[sm.Design, Twin], tmp_path: Path) -> None:
+    design, twin = rolled
+    usual = solve_twin(design, tmp_path, options(5, "expansion"))
+    assert usual.completed
+    heights = [np.ptp(each.positions[-1][:, 2]) for each in (usual, twin)]
+    assert heights[0] < 0.9 * heights[1]
+
+
+def test_what_both_programs_know_of_the_abaqus_deck_is_read(tmp_path: Path) -> None:
+    """CalculiX reads the deck of the paper without its ties and output, S3 for S3R."""
+    text = "".join(abaqus_deck(Sheet.of(sm.Design.from_toml(BILAYER))))
+    model, step = text.split("*STEP")
+    model = re.sub(r"\*(TIE|AMPLITUDE)[^*]*", "", model).replace("TYPE=S3R", "TYPE=S3")
+    model = re.sub(r"\*HEADING\n.*\n", "", model)
+    loads = re.findall(r"(?:\*TEMPERATURE|\*CLOAD)[^*]*", step)
+    loads = [re.sub(r", AMPLITUDE=\w+", "", part) for part in loads]
+    (tmp_path / "shared.inp").write_text(
+        model + "*STEP, NLGEOM\n*STATIC\n1e-3, 1e-3, 1e-6, 1e-3\n" + "".join(loads) + "*END STEP\n"
+    )
+    said = subprocess.run(
+        ["ccx", "shared"], cwd=tmp_path, capture_output=True, text=True, timeout=100
+    ).stdout
+    assert "*ERROR reading" not in said
+    assert "*WARNING reading" not in said
+    assert "number of equations" in said
