@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from sheetmorph.core.events import Listener, silent
 from sheetmorph.design.spec import Design
@@ -23,38 +24,43 @@ class Agreement:
 
     Attributes:
         result: the computed states.
-        state: which of them is compared.
+        states: of them, those compared, at the ends of the twin's steps, shape (S,).
         twin: the finite elements.
-        positions: of the twin's last state, moved onto the computed shape [m], shape (V, 3).
+        moved: states of the twin at these, moved onto the computed ones [m], shape (S, V, 3).
     """
 
     result: Result
-    state: int
+    states: NDArray[np.intp]
     twin: Twin
-    positions: Floats
+    moved: Floats
 
     @property
     def own(self) -> Floats:
-        """Positions of the computed state [m], shape (V, 3)."""
-        return np.asarray(self.result.positions[self.state])
+        """Positions of the last computed state that is compared [m], shape (V, 3)."""
+        return np.asarray(self.result.positions[self.states[-1]])
+
+    @property
+    def positions(self) -> Floats:
+        """Positions of the twin there [m], shape (V, 3)."""
+        return np.asarray(self.moved[-1])
 
     @property
     def distances(self) -> Floats:
-        """Distance of each node from its twin [m], shape (V,)."""
-        return np.asarray(np.linalg.norm(self.positions - self.own, axis=1))
+        """Distance of each node from its twin, at all states compared [m], shape (S, V)."""
+        return np.asarray(np.linalg.norm(self.moved - self.result.positions[self.states], axis=2))
 
     def to_json(self) -> dict[str, Any]:
         """All numbers, ready for a JSON file."""
         distances, twin, ran = self.distances, self.twin, self.twin.ran
-        areas = twin.mesh.node_areas
+        areas, last = twin.mesh.node_areas, self.states[-1]
         size = float(np.linalg.norm(np.ptp(self.own, axis=0)))
-        rms = float(np.sqrt(areas @ distances**2 / areas.sum()))
+        rms = _root_mean_square(distances[-1], areas)
         ratios = {"shape": self.own, "twin": self.positions}
         return {
             "model": self.result.summary["model"],
             "status": self.result.status,
             "node_rms_mm": 1e3 * rms,
-            "node_maximum_mm": 1e3 * float(distances.max()),
+            "node_maximum_mm": 1e3 * float(distances[-1].max()),
             "node_rms_percent_of_size": 100.0 * rms / size,
             "size_mm": 1e3 * size,
             "aspect_ratio": {name: float(aspect_ratio(points)) for name, points in ratios.items()},
@@ -62,14 +68,25 @@ class Agreement:
                 name: 1e3 * float(np.ptp(points[:, 2])) for name, points in ratios.items()
             },
             "eps_pre": {
-                "shape": float(self.result.actuation[self.state]),
+                "shape": float(self.result.actuation[last]),
                 "twin": float(twin.ramp[-1] * self.result.summary["eps_pre"]),
                 "asked": float(self.result.summary["eps_pre"]),
             },
             "perturbation": {
-                "shape": float(self.result.load_fraction[self.state]),
+                "shape": float(self.result.load_fraction[last]),
                 "twin": float(twin.load[-1]),
             },
+            "path": [
+                {
+                    "eps_pre": float(self.result.actuation[state]),
+                    "node_rms_mm": 1e3 * _root_mean_square(apart, areas),
+                    "height_mm": {
+                        "shape": 1e3 * float(np.ptp(self.result.positions[state][:, 2])),
+                        "twin": 1e3 * float(np.ptp(points[:, 2])),
+                    },
+                }
+                for state, apart, points in zip(self.states, distances, self.moved, strict=True)
+            ],
             "seconds": {
                 "shape": float(self.result.summary["seconds"]["total"]),
                 "twin": ran.seconds,
@@ -89,19 +106,39 @@ class Agreement:
 
 
 def agree(design: Design, twin: Twin, on_event: Listener = silent) -> Agreement:
-    """Compute the shape of a design where its twin ended, and lay the twin over it.
+    """Compute the shape of a design along the path of its twin, and lay the twin over it.
 
-    A twin that did not reach the end is compared with the design at the actuation it reached,
-    under the same part of the perturbation.
+    The steps of the actuation are those of the twin: a sheet with several stable shapes may
+    take another one when it is actuated in other steps. A twin that did not reach the end is
+    compared at the actuation it reached, under the same part of the perturbation.
 
     Raises:
         InputError: the design and its mesh do not fit together.
     """
-    fraction = float(twin.ramp[-1])
-    result = simulate(design, stops=() if fraction == 1.0 else (fraction,), on_event=on_event)
-    near = np.abs(result.ramp - fraction) + np.abs(result.load_fraction - twin.load[-1])
-    state = int(near.argmin())
-    moved = twin.positions[-1:]
+    inner = np.unique(twin.ramp[(twin.ramp > 0.0) & (twin.ramp < 1.0)])
+    result = simulate(design, stops=tuple(float(ramp) for ramp in inner), on_event=on_event)
+    pairs = [
+        (_state(result, ramp, load), positions)
+        for ramp, load, positions in zip(twin.ramp, twin.load, twin.positions, strict=True)
+        if ramp > 0.0
+    ] or [(0, twin.positions[-1])]
+    path = np.array([state for state, _ in pairs])
+    moved = np.array([positions for _, positions in pairs])
     if not len(result.held_nodes):
-        moved = align_to_reference(moved, result.positions[state])
-    return Agreement(result, state, twin, moved[0])
+        moved = np.array(
+            [
+                align_to_reference(positions[None], result.positions[state])[0]
+                for state, positions in pairs
+            ]
+        )
+    return Agreement(result, path, twin, moved)
+
+
+def _state(result: Result, ramp: float, load: float) -> int:
+    """The state nearest to an actuation and a part of the perturbation."""
+    away = np.abs(result.ramp - ramp) + np.abs(result.load_fraction - load)
+    return int(away.argmin())
+
+
+def _root_mean_square(distances: Floats, areas: Floats) -> float:
+    return float(np.sqrt(areas @ distances**2 / areas.sum()))
