@@ -18,7 +18,7 @@ LOAD = np.array([1.0, 1.0, 1.0, 1.0, 1.0, 0.0])
 
 
 def twin_of_itself(steps: int, change: float = 0.0) -> Twin:
-    """What a perfect solver would find up to a step, the node in the middle moved up by `change`."""
+    """What a perfect solver finds up to a step, the node in the middle moved up by `change`."""
     result = sm.simulate(DESIGN, stops=(0.25, 0.5, 0.75))
     angle = 0.7
     turn = np.array(
