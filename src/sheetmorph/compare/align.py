@@ -129,9 +129,34 @@ def align(
     )
 
 
-def _align(
+def best_pose(
     scan: Surface, shape: Surface, scale: float | None, seed: int, effort: Effort
-) -> Alignment:
+) -> Similarity:
+    """The pose that `align` finds, and nothing about the others: half of the work."""
+    found = _search(scan, shape, scale, seed, effort)
+    return found.outside(found.best)
+
+
+@dataclass(frozen=True, eq=False)
+class _Found:
+    """What a search found; poses in frames with the centroids at the origin and radius 1."""
+
+    scan_frame: Similarity
+    shape_frame: Similarity
+    fine: Pair
+    final: Pair
+    fits: list[Fit]  # refined with few points
+    near: list[Fit]  # those that were refined to the end
+    done: list[Fit]  # the ends of these
+    best: Fit  # the first of these without regard to holes
+
+    def outside(self, fit: Fit) -> Similarity:
+        return self.shape_frame.after(fit.pose).after(self.scan_frame.inverse())
+
+
+def _search(
+    scan: Surface, shape: Surface, scale: float | None, seed: int, effort: Effort
+) -> _Found:
     scan_frame, shape_frame = _frame(scan), _frame(shape)
     # Inside, both surfaces have their centroids at the origin and radius 1.
     inner_scale = None if scale is None else scale * scan_frame.scale / shape_frame.scale
@@ -149,9 +174,17 @@ def _align(
     done = _refined(final, [fit.pose for fit in near], max(ROUGHLY, effort.gain))
     done[0] = refine(final, done[0].pose, gain=effort.gain)
     best = without_holes(final, done[0])
-    turned = _refined(fine, [turn.after(best.pose) for turn in HALF_TURNS], ROUGHLY)
-    others = [*done[1:], *(fit for fit in [*fits, *turned] if fit not in near)]
-    others = _unlike([best, *others], moved)[1:]
+    return _Found(scan_frame, shape_frame, fine, final, fits, near, done, best)
+
+
+def _align(
+    scan: Surface, shape: Surface, scale: float | None, seed: int, effort: Effort
+) -> Alignment:
+    found = _search(scan, shape, scale, seed, effort)
+    final, fits, done, best = found.final, found.fits, found.done, found.best
+    turned = _refined(found.fine, [turn.after(best.pose) for turn in HALF_TURNS], ROUGHLY)
+    others = [*done[1:], *(fit for fit in [*fits, *turned] if fit not in found.near)]
+    others = _unlike([best, *others], final.scan)[1:]
     equivalent: list[Fit] = []
     different: list[Fit] = []
     for fit in others:
@@ -161,15 +194,12 @@ def _align(
     if different and different[0] not in done:
         different[0] = refine(final, different[0].pose, gain=ROUGHLY)
     next_misfit = different[0].misfit if different else None
-
-    def outside(fit: Fit) -> Similarity:
-        return shape_frame.after(fit.pose).after(scan_frame.inverse())
-
+    size = found.shape_frame.scale
     return Alignment(
-        outside(best),
-        shape_frame.scale * best.misfit,
-        tuple(outside(fit) for fit in equivalent),
-        None if next_misfit is None else shape_frame.scale * next_misfit,
+        found.outside(best),
+        size * best.misfit,
+        tuple(found.outside(fit) for fit in equivalent),
+        None if next_misfit is None else size * next_misfit,
         max(0.0, 1.0 - done[0].misfit / next_misfit) if next_misfit else 1.0,
         effort.starts,
         sum(fit.iterations for fit in [best, *done[1:], *fits, *turned]),

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from sheetmorph.compare.align import Effort, align
+from sheetmorph.compare.align import Effort, best_pose
 from sheetmorph.compare.fit import Pair, refine
 from sheetmorph.compare.pose import Similarity
 from sheetmorph.compare.surface import Indices, Surface
@@ -92,7 +92,7 @@ def lay_flat_sheet(
     scan: Surface, flat: Surface, scale: float | None, seed: int = 0
 ) -> tuple[Surface, Similarity]:
     """A flat sheet in the frame of a scan, and the map from the scan to it."""
-    pose = align(scan, flat, scale=scale, seed=seed, effort=EFFORT).pose
+    pose = best_pose(scan, flat, scale, seed, EFFORT)
     return flat.moved(pose.inverse()), pose
 
 
@@ -110,7 +110,7 @@ def lay_cap(
     from scipy.optimize import minimize_scalar
 
     start = _sphere_angle(scan)
-    pose = align(scan, cap(area, start), scale=scale, seed=seed, effort=EFFORT).pose
+    pose = best_pose(scan, cap(area, start), scale, seed, EFFORT)
 
     def misfit(angle: float) -> float:
         return refine(

@@ -11,7 +11,8 @@ from sheetmorph.compare.surface import Samples, Surface
 from sheetmorph.geometry.mesh import Floats
 
 # Every point of a scan has to lie on the shape. The way back keeps the scan from shrinking
-# into a corner of the shape, but a scan may have holes, whose points are far from it.
+# into a corner of the shape, but a scan may have holes, whose points are far from it. Scans
+# with known poses chose the weight: docs/comparing.md, benchmarks/pose_weight.py.
 WAY_BACK = 0.5
 HOLE = 3.0  # times the scan's own misfit; what of the shape is farther is not in the scan
 LESS = 0.95  # the scan's misfit has to fall by this factor for another round without holes
@@ -33,6 +34,7 @@ class Pair:
         far: from the shape to the scan, what is longer than this [m] counts by its length
             and not by its square (Huber 1964): a hole of the scan pulls, but not more the
             deeper it is.
+        way_back: weight of the way from the shape to the scan; the other's is 1.
     """
 
     scan: Surface
@@ -41,6 +43,7 @@ class Pair:
     shape_samples: Samples
     scale: float | None
     far: float = np.inf
+    way_back: float = WAY_BACK
 
     @classmethod
     def of(
@@ -56,7 +59,7 @@ class Fit:
 
     Attributes:
         pose: scan to shape.
-        misfit: weighted root mean square distance both ways [m]; see `WAY_BACK`.
+        misfit: root mean square distance both ways [m], weighted by `Pair.way_back`.
         iterations: steps that were tried.
     """
 
@@ -104,7 +107,7 @@ def refine(pair: Pair, start: Similarity, most: int = 60, gain: float = NO_GAIN)
             damping *= 5.0
         if small:
             break
-    return Fit(pose, float(np.sqrt(rows.cost / (1.0 + WAY_BACK))), tried)
+    return Fit(pose, _misfit(pair, rows), tried)
 
 
 def without_holes(pair: Pair, fit: Fit, rounds: int = 12) -> Fit:
@@ -122,9 +125,14 @@ def without_holes(pair: Pair, fit: Fit, rounds: int = 12) -> Fit:
         again = refine(replace(pair, far=HOLE * own), fit.pose)
         if abs(np.log(again.pose.scale / fit.pose.scale)) > LARGEST_CHANGE:
             break
-        misfit = float(np.sqrt(_rows(pair, again.pose).cost / (1.0 + WAY_BACK)))
-        fit = Fit(again.pose, misfit, fit.iterations + again.iterations)
+        fit = Fit(
+            again.pose, _misfit(pair, _rows(pair, again.pose)), fit.iterations + again.iterations
+        )
     return fit
+
+
+def _misfit(pair: Pair, rows: _Rows) -> float:
+    return float(np.sqrt(rows.cost / (1.0 + pair.way_back)))
 
 
 def _rms(values: Floats) -> float:
@@ -157,9 +165,9 @@ def _rows(pair: Pair, pose: Similarity) -> _Rows:
         touched, touched - back, pose.turn(scan.normals[here.triangle]), centre, size, pair.far
     )
     return _Rows(
-        cost + WAY_BACK * more[0],
-        hessian + WAY_BACK * more[1],
-        gradient + WAY_BACK * more[2],
+        cost + pair.way_back * more[0],
+        hessian + pair.way_back * more[1],
+        gradient + pair.way_back * more[2],
         centre,
     )
 
