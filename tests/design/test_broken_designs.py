@@ -196,7 +196,11 @@ BROKEN = {
     "coupling": ("coupling = 1.0", 'coupling = "1"', ["published.coupling", "without quotes"]),
     "factor": ("coupling = 1.0", "stretch_factor = 0", ["published.stretch_factor", "> 0"]),
     "step": ("max_step = 0.2", "max_step = 1.2", ["solver.max_step", "≤ 1"]),
-    "step order": ("max_step = 0.2", "max_step = 0.05", ["solver.initial_step", "min_step to max"]),
+    "step order": (
+        "max_step = 0.2",
+        "max_step = 0.05\ninitial_step = 0.1",
+        ["solver.initial_step", "min_step to max"],
+    ),
     "solver": ("max_step = 0.2", 'linear_solver = "lu"', ["solver.linear_solver", "auto, mkl"]),
     "iterations": ("max_step = 0.2", "max_iterations = 0", ["solver.max_iterations", "≥ 1"]),
     "output": (

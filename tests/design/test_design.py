@@ -302,3 +302,12 @@ def test_importing_the_schema_is_light():
         "assert not heavy, heavy"
     )
     subprocess.run([sys.executable, "-c", code], check=True)
+
+
+def test_the_first_step_is_the_models_unless_given(base: str) -> None:
+    design = Design.from_toml(base)
+    assert design.initial_step == 0.1
+    assert design.with_values({"solver.max_step": 0.05}).initial_step == 0.05
+    layered = design.with_values({"model": "laminate"})
+    assert layered.initial_step == 0.01
+    assert layered.with_values({"solver.initial_step": 0.07}).initial_step == 0.07

@@ -192,6 +192,7 @@ class SolverOptions(Section):
     """How the equilibrium path is followed. Steps are fractions of the actuation.
 
     Attributes:
+        initial_step: the first step; `Design.initial_step` is what it is by default.
         tolerance: residual force that counts as equilibrium, as a fraction of the moment
             of one stiffest hinge bent by 1 rad over a mean edge length.
         max_iterations: iterations allowed per step.
@@ -212,7 +213,10 @@ class SolverOptions(Section):
 
     @model_validator(mode="after")
     def _ordered(self) -> Self:
-        if not self.min_step <= self.initial_step <= self.max_step:
+        given = "initial_step" in self.model_fields_set
+        if self.min_step > self.max_step or (
+            given and not self.min_step <= self.initial_step <= self.max_step
+        ):
             raise problem(
                 "steps must be in order", key="initial_step", allowed="min_step to max_step"
             )

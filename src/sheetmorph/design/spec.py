@@ -28,6 +28,9 @@ if TYPE_CHECKING:
     from sheetmorph.geometry.mesh import SheetMesh
     from sheetmorph.geometry.symmetry import Symmetry
 
+LAMINATE_STEP = 0.01
+"""First step of the laminate model where the design names none."""
+
 
 @dataclass(frozen=True, eq=False)
 class Design:
@@ -175,6 +178,20 @@ class Design:
     def solver(self) -> sections.SolverOptions:
         """The table `solver`."""
         return self.spec.solver
+
+    @property
+    def initial_step(self) -> float:
+        """First step of the path, as a fraction of the actuation.
+
+        As given, or else 0.1, and 0.01 for the laminate model: its flat sheet buckles at a
+        strain of about (thickness/size)², and a step far beyond may land on another branch.
+        Never longer than the longest step.
+        """
+        options = self.solver
+        if "initial_step" in options.model_fields_set:
+            return options.initial_step
+        usual = LAMINATE_STEP if self.laminate else options.initial_step
+        return max(options.min_step, min(usual, options.max_step))
 
     @property
     def outputs(self) -> sections.Outputs:

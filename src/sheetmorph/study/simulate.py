@@ -129,7 +129,7 @@ def _path_options(problem: Problem) -> PathOptions:
         newton=NewtonOptions(
             residual_tolerance=problem.residual_tolerance, max_iterations=chosen.max_iterations
         ),
-        initial_step=chosen.initial_step,
+        initial_step=problem.design.initial_step,
         max_step=chosen.max_step,
         min_step=chosen.min_step,
         max_steps=chosen.max_steps,
