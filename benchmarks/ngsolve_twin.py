@@ -92,8 +92,8 @@ def main() -> None:
     size = np.linalg.norm(np.ptp(own, axis=0))
     print(
         f"{design.name}: eps_pre {design.eps_pre:g}, {dofs} unknowns, {iterations} iterations\n"
-        f"  RMS between nodes {1e3 * rms:.3f} mm ({100 * rms / size:.2f} % of {1e3 * size:.1f} mm), "
-        f"largest {1e3 * apart.max():.3f} mm\n"
+        f"  RMS between nodes {1e3 * rms:.3f} mm ({100 * rms / size:.2f} % of "
+        f"{1e3 * size:.1f} mm), largest {1e3 * apart.max():.3f} mm\n"
         f"  h/d {aspect_ratio(own):.4f} shape, {aspect_ratio(moved):.4f} NGSolve\n"
         f"  time {result.summary['seconds']['total']:.2f} s shape, {twin:.1f} s NGSolve"
     )
