@@ -175,8 +175,8 @@ def _material(
         yield f"*ELASTIC\n{made.young_modulus:.12g},{made.poisson_ratio:.12g}\n"
         if np.abs(strain).max() > 0.0:
             if strain[2] or strain[0] != strain[1]:
-                yield "*EXPANSION, TYPE=ORTHO, ZERO=0.\n"
-                yield f"{strain[0]:.12g},{strain[1]:.12g},0.\n"
+                yield "*EXPANSION, TYPE=ANISO, ZERO=0.\n"
+                yield f"{strain[0]:.12g},{strain[1]:.12g},0.,{strain[2]:.12g},0.,0.\n"
             else:
                 yield f"*EXPANSION, ZERO=0.\n{strain[0]:.12g}\n"
     else:
