@@ -12,7 +12,15 @@ from sheetmorph.core.errors import ComputationError, InputError, nearest
 from sheetmorph.core.events import Listener, Progress, silent
 from sheetmorph.proofs.proof import Proof
 
-PROOFS = ("cantilever", "timoshenko", "wide_strip", "layers", "bistable_disc", "heavy_elastica")
+PROOFS = (
+    "cantilever",
+    "timoshenko",
+    "wide_strip",
+    "layers",
+    "bistable_disc",
+    "heavy_elastica",
+    "buckling",
+)
 """Names of the proofs, each a module of this room with a function `prove`, in their order."""
 
 
