@@ -47,6 +47,7 @@ size = "0.02 m"
 [solver]
 initial_step = 1e-4
 min_step = 1e-5
+tolerance = 1e-9
 """
 
 CELLS = (40, 80, 120)

@@ -70,7 +70,7 @@ def write_proofs(outcomes: Sequence[Outcome], folder: str | Path) -> Path:
 def draw_plot(plot: Plot, path: Path) -> Path:
     """Draw the curves of one plot."""
     import matplotlib.pyplot as plt
-    from matplotlib.ticker import FuncFormatter, NullFormatter
+    from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
     with style():
         figure, axes = plt.subplots(figsize=(7.0, 4.6), layout="constrained")
@@ -80,10 +80,14 @@ def draw_plot(plot: Plot, path: Path) -> Path:
         for name, axis in (("x", axes.xaxis), ("y", axes.yaxis)):
             if name in plot.log:
                 axes.set(**{f"{name}scale": "log"})
+                low, high = axis.get_view_interval()
+                axis.set_major_locator(
+                    LogLocator(subs=(1.0, 2.0, 5.0) if high < 300 * low else (1.0,))
+                )
                 axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
                 axis.set_minor_formatter(NullFormatter())
         axes.grid(alpha=0.3)
-        figure.legend(loc="outside lower center", ncols=2)
+        figure.legend(loc="outside lower center", ncols=2, fontsize=10)
         figure.savefig(path, dpi=130)
         plt.close(figure)
     return path
