@@ -117,3 +117,21 @@ def test_a_program_that_cannot_start_is_told(tmp_path: Path) -> None:
     (tmp_path / "no-script").write_text("nothing")
     with pytest.raises(sm.InputError, match="cannot be started"):
         ccx.run(str(tmp_path / "no-script"), tmp_path, "twin", time_limit=1.0)
+
+
+def test_a_run_that_is_interrupted_leaves_nothing_running(tmp_path: Path) -> None:
+    program = stand_in(
+        tmp_path,
+        "import os\n"
+        "pathlib.Path('own').write_text(str(os.getpid()))\n"
+        f"pathlib.Path(job + '.sta').write_text({STATUS!r})\n"
+        "time.sleep(60)",
+    )
+
+    def interrupt(reached: float) -> None:
+        if reached:
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        ccx.run(program, tmp_path, "twin", time_limit=60.0, on_time=interrupt)
+    assert not _alive(int((tmp_path / "own").read_text()))
