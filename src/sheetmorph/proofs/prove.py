@@ -18,6 +18,7 @@ PROOFS = (
     "wide_strip",
     "layers",
     "bistable_disc",
+    "growth",
     "heavy_elastica",
     "buckling",
 )
