@@ -33,7 +33,9 @@ SOLVED, COMPARED = 0.85, 0.93
     type=click.Choice(PROGRAMS),
     help="Program for the twin: calculix is run if it is installed, abaqus gets its deck.",
 )
-@click.option("-o", "--output", metavar="DIR", help="Folder for the twin. Default: NAME-twin.")
+@click.option(
+    "-o", "--output", metavar="DIR", help="Folder. Default: NAME-twin, or proofs without a DESIGN."
+)
 @set_values
 @click.option(
     "--law",
@@ -61,7 +63,9 @@ SOLVED, COMPARED = 0.85, 0.93
 )
 @click.option("--deck-only", is_flag=True, help="CalculiX: write the deck and do not run it.")
 @click.option("--no-pictures", is_flag=True, help="Write numbers only.")
-@click.option("--force", is_flag=True, help="Replace the twin that is in the folder.")
+@click.option("--only", multiple=True, metavar="PROOF", help="This proof alone. May be repeated.")
+@click.option("--reference", metavar="DIR", help="Folder with the published tables of the proofs.")
+@click.option("--force", is_flag=True, help="Replace what is in the folder.")
 @click.option("-q", "--quiet", is_flag=True, help="Print nothing but errors.")
 @click.option("--json", "as_json", is_flag=True, help="Print comparison.json, nothing else.")
 def verify(
@@ -75,11 +79,16 @@ def verify(
     threads: int,
     deck_only: bool,
     no_pictures: bool,
+    only: tuple[str, ...],
+    reference: str | None,
     force: bool,
     quiet: bool,
     as_json: bool,
 ) -> None:
     """Compute DESIGN a second time with a finite-element program, and compare.
+
+    Without a DESIGN, remake the proofs of the laminate model: cases whose answer is known,
+    each number with its limit, as proofs.md with plots and proofs.json.
 
     With CalculiX (ccx) the folder receives the deck and the results in calculix/, and the
     comparison as that of a scan: comparison.json, comparison.html, pictures and the twin as
@@ -90,9 +99,18 @@ def verify(
       sheetmorph verify strip.toml --fe calculix -o strip-twin
       sheetmorph verify petals.toml --fe calculix --set actuation.eps_pre=-0.2 --time-limit "10 min"
       sheetmorph verify petals.toml --fe abaqus -o petals-abaqus
+      sheetmorph verify -o proofs
+      sheetmorph verify --only timoshenko --force
     """
-    if file is None:
+    if file is None and program is not None:
         raise InputError("name the file of a design", key="DESIGN")
+    if file is None:
+        from sheetmorph.cli.proofs import remake_proofs
+
+        remake_proofs(output, only, reference, force, quiet)
+        return
+    if only or reference is not None:
+        raise InputError("--only and --reference go with the proofs, without a DESIGN")
     if program is None:
         raise InputError(
             "say which program computes the twin", key="--fe", allowed=" or ".join(PROGRAMS)
@@ -235,7 +253,7 @@ def _summary(design: Design, data: dict[str, Any]) -> str:
     """The twin in a few lines."""
     twin = data["twin"]
     fe, strains, ratio = twin["twin"], twin["eps_pre"], twin["aspect_ratio"]
-    seconds, rms = twin["seconds"], data["rms_mm"]
+    seconds, used, rms = twin["seconds"], twin["processor_seconds"], data["rms_mm"]
     how = {
         "completed": "followed to the end",
         "time_limit": "stopped by the time limit",
@@ -251,6 +269,7 @@ def _summary(design: Design, data: dict[str, Any]) -> str:
         f"  h/d        {ratio['shape']:.4f} shape, {ratio['twin']:.4f} twin\n"
         f"  time       {seconds['shape']:.2f} s shape, {seconds['twin']:.1f} s twin "
         f"({times:.0f} times)\n"
+        f"  processor  {used['shape']:.2f} s shape, meshing and all, {used['twin']:.1f} s twin\n"
         f"  everything {perf_counter() - STARTED:.1f} s"
     )
 
