@@ -51,6 +51,7 @@ def test_a_run_that_ends_well(tmp_path: Path) -> None:
     program = stand_in(
         tmp_path,
         f"pathlib.Path(job + '.sta').write_text({STATUS!r}); time.sleep(0.5)\n"
+        "while time.process_time() < 0.3: pass\n"
         "print(' Job finished')",
     )
     heard: list[float] = []
@@ -60,6 +61,7 @@ def test_a_run_that_ends_well(tmp_path: Path) -> None:
     assert ran.iterations == 27
     assert heard[-1] == 2.0
     assert ran.message == ""
+    assert 0.3 <= ran.processor_seconds < 30.0
 
 
 def test_a_run_that_gives_up_tells_its_last_error(tmp_path: Path) -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from time import process_time
 from typing import Any
 
 import numpy as np
@@ -27,12 +28,14 @@ class Agreement:
         states: of them, those compared, at the ends of the twin's steps, shape (S,).
         twin: the finite elements.
         moved: states of the twin at these, moved onto the computed ones [m], shape (S, V, 3).
+        processor_seconds: for the computed states, meshing and all.
     """
 
     result: Result
     states: NDArray[np.intp]
     twin: Twin
     moved: Floats
+    processor_seconds: float
 
     @property
     def own(self) -> Floats:
@@ -91,6 +94,10 @@ class Agreement:
                 "shape": float(self.result.summary["seconds"]["total"]),
                 "twin": ran.seconds,
             },
+            "processor_seconds": {
+                "shape": self.processor_seconds,
+                "twin": ran.processor_seconds,
+            },
             "twin": {
                 "solver": f"CalculiX {twin.version}".strip(),
                 "law": twin.law,
@@ -116,7 +123,9 @@ def agree(design: Design, twin: Twin, on_event: Listener = silent) -> Agreement:
         InputError: the design and its mesh do not fit together.
     """
     inner = np.unique(twin.ramp[(twin.ramp > 0.0) & (twin.ramp < 1.0)])
+    began = process_time()
     result = simulate(design, stops=tuple(float(ramp) for ramp in inner), on_event=on_event)
+    used = process_time() - began
     pairs = [
         (_state(result, ramp, load), positions)
         for ramp, load, positions in zip(twin.ramp, twin.load, twin.positions, strict=True)
@@ -131,7 +140,7 @@ def agree(design: Design, twin: Twin, on_event: Listener = silent) -> Agreement:
                 for state, positions in pairs
             ]
         )
-    return Agreement(result, path, twin, moved)
+    return Agreement(result, path, twin, moved, used)
 
 
 def _state(result: Result, ramp: float, load: float) -> int:

@@ -37,6 +37,7 @@ class Ran:
         seconds: it took.
         times: of its converged increments, all steps together.
         iterations: of its converged increments.
+        processor_seconds: it used, on all its threads; 0 where the system does not tell.
     """
 
     ending: Ending
@@ -44,6 +45,7 @@ class Ran:
     seconds: float
     times: tuple[float, ...]
     iterations: int
+    processor_seconds: float = 0.0
 
 
 def find_program() -> str:
@@ -104,7 +106,7 @@ def run(
         name: str(threads)
         for name in ("OMP_NUM_THREADS", "CCX_NPROC_STIFFNESS", "CCX_NPROC_EQUATION_SOLVER")
     }
-    began = monotonic()
+    began, used = monotonic(), _children()
     with (folder / f"{job}.log").open("wb") as log:
         try:
             process = subprocess.Popen(  # noqa: S603
@@ -132,7 +134,14 @@ def run(
     times, iterations = _increments(folder / f"{job}.sta")
     finished = process.returncode == 0 and "Job finished" in said
     ending: Ending = "completed" if finished else "time_limit" if late else "stopped"
-    return Ran(ending, "" if finished else _last_error(said), seconds, times, iterations)
+    message = "" if finished else _last_error(said)
+    return Ran(ending, message, seconds, times, iterations, _children() - used)
+
+
+def _children() -> float:
+    """Processor time of the processes that this one has seen end [s]."""
+    told = os.times()
+    return told.children_user + told.children_system
 
 
 def _wait(process: subprocess.Popen[bytes]) -> None:
