@@ -101,15 +101,8 @@ class Evaluations:
                 return self.known[key]
             if self._stopped:
                 raise KeyboardInterrupt
-            pending = self._submit(key[1]) if self.workers > 1 else None
-        try:
-            found = self.task.evaluate(key[1]) if pending is None else pending.result()
-        except BrokenExecutor as error:
-            self.stop()
-            raise ComputationError(
-                "a process that simulates has died; try --workers 1 (from a script, start the "
-                'fit below `if __name__ == "__main__":`)'
-            ) from error
+            pending = self._submit(_evaluate, key[1]) if self.workers > 1 else None
+        found = self.task.evaluate(key[1]) if pending is None else self._result(pending)
         self._keep(key, found)
         return found
 
@@ -134,6 +127,24 @@ class Evaluations:
         """Measure several candidates."""
         return self.chains([lambda point=point: self(point) for point in points])  # type: ignore[misc]
 
+    def apply(
+        self, work: Callable[[Task, tuple[float, ...]], T], points: Iterable[Sequence[float]]
+    ) -> list[T]:
+        """What a function of the module level makes of candidates; it is not kept.
+
+        Raises:
+            KeyboardInterrupt: interrupted.
+            ComputationError: a process died.
+        """
+        candidates = [tuple(map(float, values)) for values in points]
+        if self.workers == 1:
+            return [work(self.task, values) for values in candidates]
+        with self._lock:
+            if self._stopped:
+                raise KeyboardInterrupt
+            pending = [self._submit(_apply, work, values) for values in candidates]
+        return [self._result(one) for one in pending]
+
     def stop(self) -> None:
         """Measure nothing more, and end the processes."""
         self._stopped = True
@@ -145,12 +156,22 @@ class Evaluations:
     def __exit__(self, *error: object) -> None:
         self.stop()
 
-    def _submit(self, values: tuple[float, ...]) -> Future[Evaluation]:
+    def _result(self, pending: Future[T]) -> T:
+        try:
+            return pending.result()
+        except BrokenExecutor as error:
+            self.stop()
+            raise ComputationError(
+                "a process that simulates has died; try --workers 1 (from a script, start the "
+                'fit below `if __name__ == "__main__":`)'
+            ) from error
+
+    def _submit(self, work: Callable[..., T], *given: object) -> Future[T]:
         if self._pool is None:
             with one_thread_each():
                 self._pool = processes(self.workers, _begin, self.task)
                 self._pool.submit(int)  # all processes start here, with one thread each
-        return self._pool.submit(_evaluate, values)
+        return self._pool.submit(work, *given)
 
     def _close_pool(self) -> None:
         pool, self._pool = self._pool, None
@@ -210,6 +231,10 @@ def _begin(task: Task) -> None:
 
 def _evaluate(values: tuple[float, ...]) -> Evaluation:
     return _TASK[0].evaluate(values)
+
+
+def _apply(work: Callable[[Task, tuple[float, ...]], T], values: tuple[float, ...]) -> T:
+    return work(_TASK[0], values)
 
 
 @contextmanager

@@ -16,8 +16,16 @@ from sheetmorph import __version__
 from sheetmorph.calibrate import targets as laid
 from sheetmorph.calibrate.curves import Curve
 from sheetmorph.calibrate.evaluations import Evaluations
-from sheetmorph.calibrate.misfit import SAMPLES, Evaluation, Task, independent_residuals
+from sheetmorph.calibrate.misfit import (
+    MOST,
+    Evaluation,
+    ScanTarget,
+    Task,
+    independent_residuals,
+    noise_alone,
+)
 from sheetmorph.calibrate.parameters import Parameter, with_parameters
+from sheetmorph.calibrate.polish import polish
 from sheetmorph.calibrate.result import Calibration, remarks
 from sheetmorph.calibrate.search import apart, descend, spread
 from sheetmorph.calibrate.uncertainty import Interval, allowed_rise, profile
@@ -34,6 +42,9 @@ MAX_STARTS = 1000
 MAX_WORKERS = 64
 BETTER_POSE = 0.98
 """A global alignment replaces the pose when it leaves less than this share of the misfit."""
+
+COARSE = 1e-2
+"""To what share of its bounds a parameter is searched before the optimum is polished."""
 
 _ROUNDS = 3
 
@@ -52,7 +63,7 @@ class CalibrateOptions:
         curve_weight: weight of a curve; a scan has the weight 1.
         workers: processes that simulate side by side; 1 is this process alone.
         seed: of the starts.
-        samples: points that stand for a scan; more of them average more of its noise.
+        samples: points that stand for a scan at most; more of them average more of its noise.
 
     Raises:
         InputError: a number is out of range.
@@ -66,7 +77,7 @@ class CalibrateOptions:
     curve_weight: float = 1.0
     workers: int = 1
     seed: int = 0
-    samples: int = SAMPLES
+    samples: int = MOST
 
     def __post_init__(self) -> None:
         for name, low, high in (
@@ -77,7 +88,7 @@ class CalibrateOptions:
             ("curve_weight", 1e-9, 1e9),
             ("workers", 1, MAX_WORKERS),
             ("seed", 0, 2**31),
-            ("samples", 100, 50_000),
+            ("samples", 100, 1_000_000),
         ):
             value = getattr(self, name)
             if value is not None and not low <= value <= high:
@@ -162,9 +173,7 @@ def calibrate(
                 lower = evaluations.best()
                 if lower.misfit**2 >= best.misfit**2 * (1.0 - 0.05 * rise):
                     break
-                best = descend(
-                    evaluations, lower, options.tolerance
-                )  # a profile found a better place
+                best = _refined(evaluations, lower, options.tolerance)
             else:
                 more.append("The profiles kept finding better places; raise --starts.")
             fitted = with_parameters(design, parameters, best.values)
@@ -219,10 +228,21 @@ def _search(
             )
         listener.stage("descending")
         works = [
-            lambda found=found: descend(evaluations, found, options.tolerance) for found in begun
+            lambda found=found: descend(evaluations, found, max(COARSE, options.tolerance))
+            for found in begun
         ]
-        best = min(evaluations.chains(works), key=lambda found: found.misfit)
-        best = min(best, evaluations.best(), key=lambda found: found.misfit)
+        evaluations.chains(works)
+        listener.stage("polishing")
+        near = evaluations.best()
+        noisy = _by_points(task, near)
+        if noisy is not None:
+            notes.append(
+                "What is left of the misfit differs from point to point as noise does: the optimum "
+                "has the least distances of the scan's points to the shape, one way."
+            )
+            evaluations.retarget(noisy, f"{fingerprint}-{attempt}-points")
+            near = evaluations(near.values)
+        best = _refined(evaluations, near, options.tolerance)
         listener.stage("checking the pose")
         result = simulate(with_parameters(task.design, task.parameters, best.values))
         if result.status == "interrupted":
@@ -231,12 +251,35 @@ def _search(
         # A task with the poses found here, used if one of them is better than those followed.
         curves = task.targets[len(scans) :]
         other = replace(task, targets=(*targets, *curves))
-        anew = other.evaluate(best.values) if scans else best
+        alike = [
+            replace(new, one_way=isinstance(old, ScanTarget) and old.one_way)
+            for new, old in zip(targets, evaluations.task.targets, strict=False)
+        ]
+        anew = replace(task, targets=(*alike, *curves)).evaluate(best.values) if scans else best
         if anew.misfit >= BETTER_POSE * best.misfit:
             break
         notes.append("A better pose of the scan was found at the optimum; the search was repeated.")
         evaluations.retarget(other, f"{fingerprint}-{attempt + 1}")
     return best, result, after, notes
+
+
+def _by_points(task: Task, near: Evaluation) -> Task | None:
+    """The task with scans measured one way where nothing but noise is left; None where not."""
+    result = simulate(with_parameters(task.design, task.parameters, near.values))
+    targets = tuple(
+        target.by_points(result)
+        if isinstance(target, ScanTarget) and noise_alone(target, result)
+        else target
+        for target in task.targets
+    )
+    alike = all(new is old for new, old in zip(targets, task.targets, strict=True))
+    return None if alike else replace(task, targets=targets)
+
+
+def _refined(evaluations: Evaluations, near: Evaluation, tolerance: float) -> Evaluation:
+    """The optimum near a design: by its residuals, or downhill where those cannot be had."""
+    best = polish(evaluations, near, tolerance)
+    return descend(evaluations, near, tolerance, radius=COARSE) if best is None else best
 
 
 def _fingerprint(

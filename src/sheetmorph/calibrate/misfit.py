@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field, fields
+from dataclasses import dataclass, field, fields, replace
 from functools import cached_property
 from time import perf_counter
 from typing import Any
@@ -21,8 +21,17 @@ from sheetmorph.geometry.mesh import Floats
 from sheetmorph.study.result import Result
 from sheetmorph.study.simulate import simulate
 
-SAMPLES = 2000
-"""Points that stand for a scan, and at least as many for the shape, unless asked otherwise."""
+FEWEST = 2000
+"""Points that stand for a scan that has fewer corners, and at least as many for the shape."""
+
+ALIKE = 4.0
+"""Mean squared correlation of about 2000 points, times their number, below which they are noise.
+
+Estimated from white noise it is 0.8 to 2; where a shape is wrong by 5 % of its width, 130 and more.
+"""
+
+MOST = 100_000
+"""Points that stand for a scan at most, unless asked otherwise."""
 
 FAILED = 1.0
 """Misfit of a simulation that reached its end is below this; one that failed lies above."""
@@ -39,7 +48,8 @@ class ScanTarget:
         pose: from the scan to the shape, where the search for the pose begins.
         fixed_scale: True when the scan's unit of length is known.
         weight: in the mean of the squared misfits of all targets.
-        count: number of points that stand for it.
+        most: points that stand for it at most.
+        one_way: True to measure from the scan to the shape alone, see `noise_alone`.
     """
 
     name: str
@@ -48,7 +58,8 @@ class ScanTarget:
     pose: Similarity
     fixed_scale: bool = False
     weight: float = 1.0
-    count: int = SAMPLES
+    most: int = MOST
+    one_way: bool = False
 
     def __getstate__(self) -> dict[str, Any]:
         # The search tree of the surface cannot go to another process; it is built there.
@@ -61,8 +72,19 @@ class ScanTarget:
 
     @cached_property
     def samples(self) -> Points:
-        """Points that stand for it."""
-        return Points.sampled(self.surface, self.count)
+        """Points that stand for it: its corners, or, where they are few or too many, a sample.
+
+        Noise that differs from corner to corner averages out over all of them; a sample of a
+        dense scan would throw that away.
+        """
+        corners = len(self.surface.used)
+        if FEWEST <= corners <= self.most:
+            return Points.corners(self.surface)
+        return Points.sampled(self.surface, min(max(corners, FEWEST), self.most))
+
+    def on(self, shape: Surface) -> Points | None:
+        """Points that stand for a computed shape, a few because it is smooth; None one way."""
+        return None if self.one_way else Points.on_triangles(shape, min(self.most, FEWEST))
 
     def lay_on(self, shape: Surface) -> Fit:
         """The scan in its best pose on a shape, near the pose that is known."""
@@ -70,10 +92,14 @@ class ScanTarget:
             self.surface,
             self.samples,
             shape,
-            Points.on_triangles(shape, self.count),
+            self.on(shape),
             self.pose,
             fixed_scale=self.fixed_scale,
         )
+
+    def by_points(self, result: Result) -> ScanTarget:
+        """The same, measured from the scan to the shape alone, begun at the pose found now."""
+        return replace(self, one_way=True, pose=self.lay_on(shape_of(result)).pose)
 
 
 @dataclass(frozen=True, eq=False)
@@ -200,26 +226,45 @@ def independent_residuals(target: Target, result: Result) -> float:
     Residuals of neighbouring points of a scan resemble each other where the model is wrong,
     and differ where the scanner is noisy. The number is that with which a sum of squares of
     independent residuals would vary as much: (Σ C_ii)² / Σ C_ij² (Satterthwaite 1946), with
-    the correlations C estimated as a function of distance.
+    the correlations C estimated as a function of distance. Of noise alone all are independent.
     """
     if isinstance(target, CurveTarget):
         return float(len(target.curve.at))
+    if target.one_way:
+        return float(len(target.samples.points))
+    likeness, _, total = _likeness(target, result)
+    return float(np.clip(1.0 / (likeness + 1.0 / total), 2.0, total))
+
+
+def noise_alone(target: ScanTarget, result: Result) -> bool:
+    """Whether the residuals of a scan differ from point to point as noise does.
+
+    Then the points' own distances are all the information there is, and their least squares
+    the most likely fit. The way back to a surface through noisy points is of no use then: it
+    finds those of them that happen to be near, and dense ones crumple that surface.
+    """
+    likeness, taken, _ = _likeness(target, result)
+    return likeness < ALIKE / taken
+
+
+def _likeness(target: ScanTarget, result: Result) -> tuple[float, int, int]:
+    """Mean squared correlation of residuals of different points; points used, points in all."""
     fit = target.lay_on(shape_of(result))
-    thin = max(1, round(target.count / SAMPLES))  # memory grows with the square
+    total = len(fit.signed)
+    thin = max(1, round(total / FEWEST))  # memory grows with the square
     signed, points = fit.signed[::thin], target.samples.points[::thin]
+    count = len(signed)
     square = float(np.mean(signed**2))
     if square <= 0.0:
-        return float(target.count)
+        return 0.0, count, total
     distance = np.linalg.norm(points[:, None] - points[None], axis=2)
     products = np.outer(signed, signed) / square
-    width = target.surface.size / 60
-    rings = (distance / width).astype(np.intp)
+    rings = (distance / (target.surface.size / 60)).astype(np.intp)
     np.fill_diagonal(rings, rings.max() + 1)  # every point with itself, a ring of its own
-    pairs = np.bincount(rings.ravel())
-    sums = np.bincount(rings.ravel(), weights=products.ravel())
-    known = pairs > 0
-    correlation = np.clip(sums[known] / pairs[known], -1.0, 1.0)
-    # The sum over all pairs of the full set: those of points with themselves do not thin out.
-    count = len(signed)
-    among = float(pairs[known][:-1] @ correlation[:-1] ** 2) / count**2 + 1.0 / target.count
-    return float(np.clip(1.0 / among, 2.0, target.count))
+    pairs = np.bincount(rings.ravel())[:-1]
+    sums = np.bincount(rings.ravel(), weights=products.ravel())[:-1]
+    pairs, sums = pairs[pairs > 0], sums[pairs > 0]
+    correlation = np.clip(sums / pairs, -1.0, 1.0)
+    # By chance alone the square is 1 over the pairs, each of which is counted twice.
+    likeness = float(pairs @ (correlation**2 - 2.0 / pairs)) / count**2
+    return max(likeness, 0.0), count, total

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from sheetmorph.compare.comparison import Comparison
 
 METHOD = (
-    "Sobol points, COBYQA from the best of them; intervals by profiles of the squared misfit, "
+    "Sobol points, COBYQA from the best of them, Gauss-Newton at the end; intervals by profiles of the squared misfit, "
     "with a threshold from the F distribution for the number of independent residuals"
 )
 

@@ -51,13 +51,16 @@ def apart(
     return [candidate for candidate, _ in chosen]
 
 
-def descend(evaluations: Evaluations, start: Evaluation, tolerance: float) -> Evaluation:
+def descend(
+    evaluations: Evaluations, start: Evaluation, tolerance: float, radius: float = 0.1
+) -> Evaluation:
     """Downhill from a simulated design, within the bounds.
 
     Args:
         evaluations: what measures a candidate.
         start: where to begin.
         tolerance: to what share of its bounds a parameter is found.
+        radius: of the first steps, as a share of the bounds.
 
     Returns:
         The best design on the way.
@@ -74,7 +77,7 @@ def descend(evaluations: Evaluations, start: Evaluation, tolerance: float) -> Ev
     minimise(
         square,
         shares(parameters, start),
-        radius=0.1,
+        radius=radius,
         final_radius=tolerance,
         max_evaluations=30 + 30 * len(parameters),
     )

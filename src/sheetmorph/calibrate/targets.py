@@ -56,7 +56,7 @@ def lay(
     Args:
         result: its last state is the shape.
         scans: what is compared with it.
-        samples: number of points that stand for a scan in a target.
+        samples: points that stand for a scan in a target at most.
         on_event: told of notices.
 
     Returns:
@@ -88,7 +88,7 @@ def lay(
                 face.triangles,
                 pose,
                 measured.fixed_scale,
-                count=samples,
+                most=samples,
             )
         )
     return tuple(comparisons), tuple(targets)

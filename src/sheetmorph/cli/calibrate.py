@@ -61,8 +61,8 @@ MOST_WORKERS = 8
 @click.option("--curve-weight", type=float, default=1.0, show_default=True,
               help="Weight of a curve; a scan has 1.")  # fmt: skip
 @click.option("--starts", type=int, help="Starting points. Default: 4, and 4 per parameter.")
-@click.option("--samples", type=int, default=2000, show_default=True,
-              help="Points that stand for a scan.")  # fmt: skip
+@click.option("--samples", type=int, default=100_000, show_default=True,
+              help="Points that stand for a scan at most.")  # fmt: skip
 @click.option("--confidence", type=float, default=0.95, show_default=True, help="Of the intervals.")
 @click.option("--no-intervals", is_flag=True, help="Find the optimum only, several times faster.")
 @click.option(
