@@ -18,8 +18,8 @@ if TYPE_CHECKING:
     from sheetmorph.compare.comparison import Comparison
 
 METHOD = (
-    "Sobol points, COBYQA from the best of them, Gauss-Newton at the end; intervals by profiles of the squared misfit, "
-    "with a threshold from the F distribution for the number of independent residuals"
+    "Sobol points, COBYQA from the best of them, Gauss-Newton at the end; intervals by profiles of "
+    "the squared misfit, with a threshold from the F distribution for the number of independent residuals"
 )
 
 
