@@ -57,6 +57,7 @@ def describe(design: Design, mesh: SheetMesh | None = None) -> dict[str, Any]:
     held = held_components(design, mesh, region)
     loads = load_forces(design, mesh, region)
     forces = perturbation_forces(design, mesh)
+    directed = len(directed_edges(design, mesh, region)[0])
     report = {
         "name": design.name,
         "model": design.model,
@@ -79,9 +80,11 @@ def describe(design: Design, mesh: SheetMesh | None = None) -> dict[str, Any]:
         },
         "supports": {
             "held_nodes": int(held.any(axis=1).sum()),
-            "free_dofs": int((~held).sum()) - (0 if held.any() else 6),
+            "free_dofs": int((~held).sum())
+            - (0 if held.any() else 6)
+            + (len(mesh.edges) - directed if design.laminate else 0),
         },
-        "directed_edges": len(directed_edges(design, mesh, region)[0]),
+        "directed_edges": directed,
         "loads": {
             "count": len(design.loads),
             "net_force": loads.sum(axis=0).tolist(),
