@@ -19,7 +19,8 @@ if TYPE_CHECKING:
 
 METHOD = (
     "Sobol points, COBYQA from the best of them, Gauss-Newton at the end; intervals by profiles of "
-    "the squared misfit, with a threshold from the F distribution for the number of independent residuals"
+    "the squared misfit, with a threshold from the F distribution for the number of independent "
+    "residuals"
 )
 
 
