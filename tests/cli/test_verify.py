@@ -150,7 +150,7 @@ def test_the_abaqus_deck_is_written(here: Path, capsys: pytest.CaptureFixture[st
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
-        ([], "DESIGN: name the file of a design"),
+        (["--fe", "calculix"], "DESIGN: name the file of a design"),
         (["twin.toml"], "--fe: say which program computes the twin; allowed: calculix or abaqus"),
         (["twin.toml", "--fe", "ansys"], "'ansys' is not one of"),
         (["none.toml", "--fe", "abaqus"], "none.toml"),
