@@ -257,7 +257,7 @@ def _summary(design: Design, data: dict[str, Any]) -> str:
     how = {
         "completed": "followed to the end",
         "time_limit": "stopped by the time limit",
-        "stopped": f"gave up: {fe['message'] or 'see calculix/twin.log'}",
+        "stopped": f"gave up: {fe['message'] or 'see calculix/twin.log'}; try more --steps",
     }[fe["ended"]]
     times = seconds["twin"] / seconds["shape"]
     return (
