@@ -21,6 +21,7 @@ PROOFS = (
     "growth",
     "heavy_elastica",
     "buckling",
+    "slit_annulus",
 )
 """Names of the proofs, each a module of this room with a function `prove`, in their order."""
 
