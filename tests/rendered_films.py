@@ -21,7 +21,8 @@ class Oven:
     """How the sheet is filmed.
 
     roll, elevation, azimuth in degrees; noise and backdrop in grey levels; blur in pixels;
-    distance of the camera in widths of the sheet, 0 for a parallel view; thickness in metres.
+    distance of the camera in widths of the sheet, 0 for a parallel view; thickness in metres;
+    ink keeps the thin dark lines with which stills draw the rim of a white sheet.
     """
 
     roll: float = 0.0
@@ -34,6 +35,7 @@ class Oven:
     distance: float = 0.0
     thickness: float = 0.4e-3
     seed: int = 1
+    ink: bool = False
 
 
 @dataclass(frozen=True, eq=False)
@@ -60,8 +62,8 @@ def film_of(result, oven: Oven = Oven(), frames: int = 8, size=SIZE) -> Filmed:
     light = Light(1.0, 0.0, 0.0, 0.0)
     rng = np.random.default_rng(oven.seed)
     job = _thick_job(base_job(result))
-    if sum(oven.backdrop) < 380:  # a white sheet in a dark oven, without ink along its edges
-        job = replace(job, textures=tuple((120 + 0.53 * t).astype(np.uint8) for t in job.textures))
+    if not oven.ink:
+        job = replace(job, textures=tuple(_plain(t, sum(oven.backdrop)) for t in job.textures))
     images = []
     for x in points:
         white = np.full((len(x), 3), 255, dtype=np.uint8)
@@ -76,6 +78,12 @@ def film_of(result, oven: Oven = Oven(), frames: int = 8, size=SIZE) -> Filmed:
         images.append(np.clip(np.round(picture), 0, 255).astype(np.uint8))
     true = side_view(points, np.radians(oven.azimuth))
     return Filmed(images, true[:, 1], true[:, 0], extent / size[1])
+
+
+def _plain(texture: np.ndarray, backdrop: int) -> np.ndarray:
+    """A white sheet in a dark oven, a black one before a light backdrop; hardly any lines."""
+    white = backdrop < 380
+    return ((120 if white else 0) + (0.53 if white else 0.25) * texture).astype(np.uint8)
 
 
 def write_video(path: Path, images: list[np.ndarray], rate: float = 1.0) -> Path:
