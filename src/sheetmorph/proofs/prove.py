@@ -22,6 +22,7 @@ PROOFS = (
     "heavy_elastica",
     "buckling",
     "slit_annulus",
+    "hemisphere",
 )
 """Names of the proofs, each a module of this room with a function `prove`, in their order."""
 

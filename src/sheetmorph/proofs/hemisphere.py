@@ -1,0 +1,183 @@
+"""Sze's hemisphere with a hole of 18°, pulled and pressed at four points of its rim."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from sheetmorph.design.spec import Design
+from sheetmorph.geometry.generate import generate_mesh
+from sheetmorph.geometry.mesh import Floats, SheetMesh
+from sheetmorph.geometry.structured import sphere_sector
+from sheetmorph.geometry.topology import build_mesh
+from sheetmorph.proofs.proof import Check, Curve, Plot, Proof, convergence_order
+from sheetmorph.proofs.sheets import benchmark_table, nearest_node, solved, states_at
+
+RADIUS = 10.0
+HOLE, QUARTER = math.radians(18.0), 0.5 * math.pi
+PULLED, PRESSED = (0.0, RADIUS, 0.0), (RADIUS, 0.0, 0.0)
+FORCE = 200.0  # on a quarter of the shell: half of the forces, which act in its planes
+
+DESIGN = f"""
+name = "hemisphere"
+model = "laminate"
+[outline] # seen from above
+kind = "disc"
+radius = "{RADIUS} m"
+[[layers]]
+name = "shell"
+role = "inert"
+thickness = "4 cm"
+young_modulus = "68.25 MPa"
+poisson_ratio = 0.3
+[perturbation]
+total_force = "0 N"
+[[supports]]
+kind = "symmetry"
+plane = "x"
+[[supports]]
+kind = "symmetry"
+plane = "y"
+[[supports]]
+kind = "box"
+x = ["9.999 m", "10.001 m"]
+y = ["-1 mm", "1 mm"]
+hold = ["z"]
+[[loads]]
+kind = "point"
+at = ["0 m", "10 m", "0 m"]
+force = ["0 N", "{FORCE} N", "0 N"]
+[[loads]]
+kind = "point"
+at = ["10 m", "0 m", "0 m"]
+force = ["-{FORCE} N", "0 N", "0 N"]
+[mesh]
+size = "1 m"
+[solver]
+initial_step = 0.025
+max_step = 0.05
+min_step = 1e-5
+tolerance = 1e-9
+"""
+
+CELLS = (28, 40, 56)
+"""Cells along each side of the structured meshes."""
+COMPARED = 40
+"""Those of the mesh that is compared at every load step."""
+HALF = 0.5
+"""Load at which the order of convergence is taken, over the full load."""
+SPACING = 0.06
+"""Length of the edges of the irregular mesh in the plane of polar angle and azimuth [rad]."""
+
+
+@dataclass(frozen=True, eq=False)
+class Moves:
+    """Outward and inward displacement of the two loaded points, shape (loads,) each [m]."""
+
+    pulled: Floats
+    pressed: Floats
+    nodes: int
+
+
+def prove(reference: Path | None = None) -> Proof:
+    """Displacements of the loaded points at every load step.
+
+    Raises:
+        InputError: the published table is not there.
+        ComputationError: a run did not reach its end.
+    """
+    table = benchmark_table("sze_hemisphere_18deg_hole", reference)
+    loads = np.array(table["P"])
+    known = {"pulled": np.array(table["VA"]), "pressed": np.array(table["minusUB"])}
+    found = {
+        "structured": _moves(_structured(COMPARED), loads),
+        "irregular": _moves(_irregular(), loads),
+    }
+    checks = [
+        Check(
+            f"{family}-{point}-{load:.2f}",
+            f"displacement of the {point} point at P = {load:.2f} Pmax, {family}",
+            *(float(u), float(own)),
+            0.02,
+        )
+        for family, moves in found.items()
+        for point, values in known.items()
+        for load, u, own in zip(loads, values, getattr(moves, point), strict=True)
+    ]
+    at = int(np.flatnonzero(np.isclose(loads, HALF))[0])
+    halves = [
+        found["structured"].pressed[at]
+        if cells == COMPARED
+        else _moves(_structured(cells), np.ones(1), HALF).pressed[0]
+        for cells in CELLS
+    ]
+    order = convergence_order([1.0 / n for n in CELLS[:2]], np.diff(halves))
+    what = f"order of convergence of the pressed point at P = {HALF} Pmax, structured"
+    checks.append(Check("order", what, 1.5, order, kind="at least"))
+    return Proof(
+        name="hemisphere",
+        title="Hemisphere with a hole",
+        statement=(
+            f"A hemisphere of {RADIUS:g} m radius with a hole of 18° at its pole, 4 cm thick, "
+            "E = 68.25 MPa, ν = 0.3, is pulled outward at two opposite points of its equator and "
+            "pressed inward at the two between them, with up to 400 N each. A quarter with two "
+            "planes of symmetry is computed; its curvature at rest is taken from the mesh. The "
+            f"displacement of both points is compared at {len(loads)} load steps, on a structured "
+            f"mesh of {COMPARED} × {COMPARED} cells with alternating diagonals "
+            f"({found['structured'].nodes} nodes) and on an irregular one "
+            f"({found['irregular'].nodes} nodes). The shell hardly stretches, and coarse flat "
+            "triangles err both ways: softer by their facets, stiffer as they cannot bend without "
+            "stretching. The order is that of the differences between meshes of "
+            f"{', '.join(map(str, CELLS))} cells a side; on coarser ones the two errors cancel in "
+            "part."
+        ),
+        source="Sze, Liu, Lo, Popular benchmark problems for geometric nonlinear analysis of "
+        "shells, Finite Elements in Analysis and Design 40, 2004",
+        checks=tuple(checks),
+        plots=(
+            Plot(
+                "hemisphere",
+                "Loaded points of the hemisphere",
+                "displacement [m]",
+                "P / Pmax",
+                (
+                    Curve("pulled point, Sze et al.", known["pulled"], loads, "line"),
+                    Curve("pressed point, Sze et al.", known["pressed"], loads, "line"),
+                    *(
+                        Curve(f"{point} point, {family}", getattr(moves, point), loads)
+                        for family, moves in found.items()
+                        for point in ("pulled", "pressed")
+                    ),
+                ),
+            ),
+        ),
+    )
+
+
+def _moves(mesh: SheetMesh, loads: Floats, share: float = 1.0) -> Moves:
+    """Displacements at these fractions of a share of the full load."""
+    text = DESIGN.replace(f"{FORCE} N", f"{share * FORCE} N")
+    stops = loads.tolist()
+    result = solved(Design.from_toml(text), mesh, stops)
+    moved = result.positions[states_at(result, stops)] - mesh.nodes
+    pulled, pressed = (nearest_node(mesh, place) for place in (PULLED, PRESSED))
+    return Moves(moved[:, pulled, 1], -moved[:, pressed, 0], len(mesh.nodes))
+
+
+def _structured(cells: int) -> SheetMesh:
+    return sphere_sector(RADIUS, (HOLE, QUARTER), (0.0, QUARTER), cells, cells, "alternating")
+
+
+def _irregular() -> SheetMesh:
+    """An irregular mesh of the rectangle of polar angle and azimuth, laid upon the sphere."""
+    import shapely
+
+    flat = generate_mesh(shapely.box(HOLE, 0.0, QUARTER, QUARTER), [], SPACING)
+    polar, azimuth = flat.nodes[:, 0], flat.nodes[:, 1]
+    nodes = np.column_stack(
+        [np.sin(polar) * np.cos(azimuth), np.sin(polar) * np.sin(azimuth), np.cos(polar)]
+    )
+    return build_mesh(RADIUS * nodes, flat.triangles, curved=True)
