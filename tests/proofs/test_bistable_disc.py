@@ -23,6 +23,7 @@ from sheetmorph.proofs.bistable_disc import (
     pipe_curvatures,
 )
 from sheetmorph.proofs.karman_disc import bifurcation, dish, stiffness_against_waves
+from sheetmorph.proofs.karman_pipe import half_pipe
 from sheetmorph.proofs.proof import Proof
 
 NU = POISSON
@@ -72,6 +73,20 @@ def test_bifurcation_of_constant_thickness() -> None:
     assert stiffness_against_waves(dish(1.1 * s, NU), NU) < 0
 
 
+def test_the_series_of_the_half_pipe_holds_the_dish_too() -> None:
+    """Before the bifurcation the series in r and θ returns to the dish of the other."""
+    known = dish(1.0, NU).curvature
+    assert half_pipe(1.0, NU, (0.8, 0.6)) == pytest.approx([known, known], rel=1e-6)
+
+
+def test_half_pipes_part_from_the_dish_at_its_bifurcation() -> None:
+    """(Kx − Ky)² over S² is zero where the second variation of the dish says, to its curve."""
+    near = np.array([1.38, 1.40])
+    parts = [np.ptp(half_pipe(s, NU, (1.0, 0.65))) ** 2 for s in near]
+    slope = (parts[1] - parts[0]) / (near[1] ** 2 - near[0] ** 2)
+    assert near[0] ** 2 - parts[0] / slope == pytest.approx(bifurcation(NU)[0] ** 2, rel=2e-3)
+
+
 def test_a_flat_disc_bends_as_a_plate() -> None:
     """Without a natural curvature the stiffness against waves is that of bending alone."""
     assert stiffness_against_waves(dish(0.0, NU), NU) > 0
@@ -81,8 +96,8 @@ def test_a_flat_disc_bends_as_a_plate() -> None:
 def test_branches_meet_at_the_bifurcation() -> None:
     assert dish_curvature(CRITICAL_S) == pytest.approx(CRITICAL_K, rel=1e-12)
     just = pipe_curvatures(CRITICAL_S * (1 + 1e-12))
-    assert just == pytest.approx([CRITICAL_K, CRITICAL_K], rel=1e-5)
-    assert pipe_curvatures(3.0).prod() == pytest.approx(PRODUCT)
+    assert just == pytest.approx((CRITICAL_K, CRITICAL_K), rel=1e-5)
+    assert np.prod(pipe_curvatures(3.0)) == pytest.approx(PRODUCT)
 
 
 def test_a_lens_of_uniform_curvature_is_in_balance() -> None:
@@ -133,7 +148,7 @@ def test_curvatures_of_known_shapes() -> None:
 @pytest.mark.slow
 def test_bistable_disc(proven: Callable[[str], Proof]) -> None:
     proof = proven("bistable_disc")
-    assert len(proof.checks) == 46
+    assert len(proof.checks) == 62
     dishes = [c.error for c in proof.checks if c.id.startswith("lens") and "K at S =" in c.what]
     assert len(dishes) == 10
     assert max(dishes) < 1e-3

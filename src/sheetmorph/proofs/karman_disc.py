@@ -119,22 +119,26 @@ def bifurcation(poisson_ratio: float) -> tuple[float, float]:
     return float(critical), dish(critical, poisson_ratio).curvature
 
 
-def _series(power: int) -> tuple[Floats, Floats, Floats]:
-    """r^power Pj(2 r² − 1), its first and second derivatives; shape (points, TERMS) each."""
-    values = np.empty((3, len(_R), TERMS))
-    s = 2.0 * _R**2 - 1.0
-    front = _R**power
-    rise = power * _R ** (power - 1)
-    turn = power * (power - 1) * _R ** max(power - 2, 0)
-    for j in range(TERMS):
+def radial_series(r: Floats, power: int, terms: int) -> tuple[Floats, Floats, Floats]:
+    """r^power Pj(2 r² − 1), its first and second derivatives; shape (points, terms) each."""
+    values = np.empty((3, len(r), terms))
+    s = 2.0 * r**2 - 1.0
+    front = r**power
+    rise = power * r ** (power - 1)
+    turn = power * (power - 1) * r ** max(power - 2, 0)
+    for j in range(terms):
         p, dp, ddp = (np.polynomial.Legendre.basis(j).deriv(k)(s) for k in range(3))
-        first, second = 4.0 * _R * dp, 16.0 * _R**2 * ddp + 4.0 * dp
+        first, second = 4.0 * r * dp, 16.0 * r**2 * ddp + 4.0 * dp
         values[:, :, j] = (
             front * p,
             rise * p + front * first,
             turn * p + 2.0 * rise * first + front * second,
         )
     return values[0], values[1], values[2]
+
+
+def _series(power: int) -> tuple[Floats, Floats, Floats]:
+    return radial_series(_R, power, TERMS)
 
 
 def _square(a: Floats, b: Floats, factor: Floats | float = 1.0) -> Floats:
