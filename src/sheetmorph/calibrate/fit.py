@@ -160,7 +160,9 @@ def calibrate(
     listener.evaluations = evaluations
     notes = [note for curve in curves for note in curve.notes]
     with evaluations:
-        best, result, after, more = _search(evaluations, fingerprint, scans, options, listener)
+        best, result, after, more, passed = _search(
+            evaluations, fingerprint, scans, options, listener
+        )
         intervals: tuple[Interval, ...] = ()
         residuals = sum(
             independent_residuals(target, result) for target in evaluations.task.targets
@@ -180,6 +182,7 @@ def calibrate(
             if result.design.hash != fitted.hash:
                 result = simulate(fitted)
                 after, _ = laid.lay(result, scans, options.samples, on_event)
+            evaluations.many(passed)
         start = evaluations(task.own_values())
     return Calibration(
         design=design,
@@ -207,8 +210,13 @@ def _search(
     scans: Sequence[MeasuredScan],
     options: CalibrateOptions,
     listener: _Counter,
-) -> tuple[Evaluation, Result, laid.Comparisons, list[str]]:
-    """The optimum; begun anew when a global alignment there finds a better pose."""
+) -> tuple[Evaluation, Result, laid.Comparisons, list[str], list[tuple[float, ...]]]:
+    """The optimum; begun anew when a global alignment there finds a better pose.
+
+    Returns:
+        The optimum, its shape and comparisons, notes, and designs that the search measured
+        otherwise than the optimum, for the pictures.
+    """
     notes: list[str] = []
     for attempt in range(_ROUNDS):
         task = evaluations.task
@@ -234,12 +242,14 @@ def _search(
         evaluations.chains(works)
         listener.stage("polishing")
         near = evaluations.best()
+        passed: list[tuple[float, ...]] = []
         noisy = _by_points(task, near)
         if noisy is not None:
             notes.append(
                 "What is left of the misfit differs from point to point as noise does: the optimum "
                 "has the least distances of the scan's points to the shape, one way."
             )
+            passed = [found.values for found in evaluations.here()]
             evaluations.retarget(noisy, f"{fingerprint}-{attempt}-points")
             near = evaluations(near.values)
         best = _refined(evaluations, near, options.tolerance)
@@ -260,7 +270,7 @@ def _search(
             break
         notes.append("A better pose of the scan was found at the optimum; the search was repeated.")
         evaluations.retarget(other, f"{fingerprint}-{attempt + 1}")
-    return best, result, after, notes
+    return best, result, after, notes, passed
 
 
 def _by_points(task: Task, near: Evaluation) -> Task | None:
