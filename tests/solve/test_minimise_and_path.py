@@ -63,6 +63,18 @@ def test_path_passes_a_buckling_point_and_unloads() -> None:
         assert state.residual <= NEWTON.residual_tolerance
 
 
+def test_tangents_are_those_of_the_path() -> None:
+    """Even where a state is found with a factor from far off, as a loose tolerance allows."""
+    options = PathOptions(newton=NewtonOptions(residual_tolerance=1e-4), max_step=0.05)
+    start = start_of_path(np.zeros(2), LEGS, options)
+    path = follow(system_of(Pitchfork()), LEGS, [start], options)
+    states = [state for state in path.states if state.leg == 0 and state.s > 0.0]
+    assert len(states) > 10
+    for state in states:
+        x = state.x[0]
+        assert state.tangent[0] == pytest.approx(x / (3 * x * x - (state.ramp - 0.3)), rel=0.01)
+
+
 def test_path_ends_where_the_equilibrium_ends() -> None:
     path, events = walk(Fold(), 0.7, min_step=1e-3)
     assert path.status is Status.STEP_TOO_SMALL

@@ -23,6 +23,9 @@ Floats = NDArray[np.float64]
 DIFFERENCE = 1e-4
 """Part of a leg over which forces are differenced where they are not linear along it."""
 
+DOUBT = 0.03
+"""Last correction of a tangent, over its size, beyond which the Hessian is factorised anew."""
+
 
 class Status(StrEnum):
     """How a path ended."""
@@ -251,7 +254,9 @@ def _step(
         tangent=tangent,
         leg=last.leg + 1 if at_end else last.leg,
         s=0.0 if at_end else s,
-        step=options.initial_step if at_end else _next_step(max(planned, s - last.s), cost, options),
+        step=options.initial_step
+        if at_end
+        else _next_step(max(planned, s - last.s), cost, options),
         ramp=ramp,
         load=load,
         residual=found.residual,
@@ -324,7 +329,9 @@ def _tangent(
     Where the forces at fixed positions are linear in both fractions, one more gradient gives
     their derivative exactly; elsewhere a central difference does. The factor at hand is that of
     the last Newton step, a little way off; two corrections with the Hessian applied by
-    differences of gradients make up for it, for a tenth of the price of a factorisation. Cubic prediction needs tangents this good.
+    differences of gradients make up for it, for a tenth of the price of a factorisation. Where
+    the second still changes much, as for thin sheets that bend far with few Newton steps, the
+    Hessian is factorised at the state itself: cubic prediction needs good tangents.
     """
     x, now = found.x, found.gradient
     rise, drop = second.ramp - first.ramp, second.load - first.load
@@ -336,15 +343,30 @@ def _tangent(
             for part in (DIFFERENCE, -DIFFERENCE)
         )
         rate = (ahead - behind) / (2.0 * DIFFERENCE)
-    tangent = -here.solve(rate)
+    tangent, doubt = _response(here, x, now, rate)
+    if doubt > DOUBT:
+        _, _, data = here.hessian(x)
+        if here.factorise(data):
+            tangent, _ = _response(here, x, now, rate)
+    return tangent if np.isfinite(tangent).all() else np.zeros_like(x)
+
+
+def _response(here: System, x: Floats, now: Floats, rate: Floats) -> tuple[Floats, float]:
+    """Minus the inverse of the Hessian at x times a rate of the gradient, by the factor at hand.
+
+    Returns:
+        The response, shape (n,), and how much of it the last correction was.
+    """
+    tangent, doubt = -here.solve(rate), 0.0
     for _ in range(2):
         largest = float(np.abs(tangent).max())
-        if largest == 0.0:
+        if not largest > 0.0:
             break
         reach = 1e-6 * float(np.ptp(x)) / largest
         _, moved = here.gradient(x + reach * tangent)
-        tangent = tangent - here.solve(rate + (moved - now) / reach)
-    return tangent if np.isfinite(tangent).all() else np.zeros_like(x)
+        change = here.solve(rate + (moved - now) / reach)
+        tangent, doubt = tangent - change, float(np.abs(change).max()) / largest
+    return tangent, doubt
 
 
 def _settle(here: System, found: Minimum, options: PathOptions) -> tuple[Minimum, int]:
