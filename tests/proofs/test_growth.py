@@ -7,6 +7,7 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
+from sheetmorph.proofs.excess_cone import steepest_ray
 from sheetmorph.proofs.growth import SHAPES
 from sheetmorph.proofs.proof import Proof
 
@@ -26,9 +27,20 @@ def test_curvatures_are_those_of_the_metrics(name: str) -> None:
     assert growth.curvature(r) == pytest.approx(known, rel=1e-5)
 
 
+def test_a_small_excess_lifts_the_rays_as_a_cosine() -> None:
+    """β = a cos 2φ with a² = 4/3 (λ − 1): the length of a nearly flat curve on the sphere."""
+    assert steepest_ray(1.0003) == pytest.approx(np.sqrt(4.0 / 3.0 * 0.0003), rel=1e-3)
+
+
+def test_more_terms_do_not_move_the_rays(monkeypatch: pytest.MonkeyPatch) -> None:
+    few = steepest_ray(1.2)
+    monkeypatch.setattr("sheetmorph.proofs.excess_cone.TERMS", 7)
+    assert steepest_ray(1.2) == pytest.approx(few, rel=1e-5)
+
+
 @pytest.mark.slow
 def test_growth(proven: Callable[[str], Proof]) -> None:
     proof = proven("growth")
-    assert len(proof.checks) == 14
-    assert max(c.error for c in proof.checks if c.id.startswith("cone")) < 1e-3
+    assert len(proof.checks) == 16
+    assert max(c.error for c in proof.checks if c.what.startswith("half the angle")) < 1e-3
     assert max(c.error for c in proof.checks if c.id.startswith("radius")) < 2e-3

@@ -13,6 +13,7 @@ from sheetmorph.core.files import write_text
 from sheetmorph.design.spec import Design
 from sheetmorph.geometry.mesh import Floats
 from sheetmorph.geometry.structured import disc
+from sheetmorph.proofs.excess_cone import steepest_ray
 from sheetmorph.proofs.proof import Check, Curve, Plot, Proof, convergence_order
 from sheetmorph.proofs.sheets import solved
 from sheetmorph.study.laminate_model import laminate_shell
@@ -63,7 +64,7 @@ _SIZES = [1.0 / rings for rings in (*COARSER, RINGS)]
 INNER = 0.7
 """Part of the radius that is measured; beyond, the bending of the rim is felt."""
 BINS = np.linspace(0.0, INNER, 8)
-CONES = (0.9, 0.7)
+CONES, EXCESS_CONES = (0.9, 0.7), (1.2,)
 """Growth around over growth along."""
 
 Profile = Callable[[Floats], Floats]
@@ -139,6 +140,10 @@ def prove(reference: Path | None = None) -> Proof:
             what = f"half the angle of the cone with λθ/λr = {ratio:g}, {mesh} mesh"
             half, angle = float(np.rad2deg(np.arcsin(ratio))), _cone_angle(ratio, irregular)
             checks.append(Check(f"cone-{mesh}-{ratio:g}", what, half, angle, 0.02, unit="°"))
+        for ratio in EXCESS_CONES:
+            what = f"height of the ridges over their length, λθ/λr = {ratio:g}, {mesh} mesh"
+            known_height, height = steepest_ray(ratio), _ridge(ratio, irregular)
+            checks.append(Check(f"cone-{mesh}-{ratio:g}", what, known_height, height, 0.02))
         what = f"order of convergence of the scatter of K, cap, {mesh} meshes"
         checks.append(Check(f"order-{mesh}", what, 1.0, order, kind="at least"))
     return Proof(
@@ -149,14 +154,17 @@ def prove(reference: Path | None = None) -> Proof:
             "middle (in units of R here). A conformal factor λ = 1/(1 ± r²/4) gives the Gaussian "
             "curvature ±1/R² everywhere: a cap of a sphere of radius R, and a saddle. Growth of "
             "the rim, λθ = 1 + 0.15 r⁴, gives a saddle whose curvature is that of this metric. "
-            "λθ < λr gives a cone of half the angle arcsin(λθ/λr). K is det b/det a of triangles, "
+            "λθ < λr gives a cone of half the angle arcsin(λθ/λr); λθ > λr one with more than a "
+            "turn around its tip, a saddle of straight rays whose directions run along a closed "
+            "curve of least bending on the unit sphere. K is det b/det a of the triangles, "
             f"averaged by area; within {INNER:g} R, for a free rim bends away from its metric over "
             "a length of √(h R). The scatter is the standard deviation of K within half "
             f"the radius. Quarters of discs, {RINGS} rings of triangles."
         ),
         source="Gauss, Disquisitiones generales circa superficies curvas, 1827; Klein, Efrati, "
         "Sharon, Shaping of elastic sheets by prescription of non-Euclidean metrics, Science 315, "
-        "2007",
+        "2007; Müller, Ben Amar, Guven, Conical defects in growing sheets, Physical Review "
+        "Letters 101, 2008",
         checks=tuple(checks),
         plots=(
             Plot("growth", "Gaussian curvature of grown discs", "r / R", "K R²", tuple(curves)),
@@ -243,17 +251,30 @@ def _sphere_radius(grown: _Grown) -> float:
     return float(np.sqrt(rest + np.square(centre).sum())) * RADIUS
 
 
-def _cone_angle(ratio: float, irregular: float) -> float:
-    """Angle between axis and surface [°], from the nodes between 0.3 R and 0.7 R."""
+def _cone(ratio: float, irregular: float) -> Floats:
+    """Distances over R of the nodes from 0.3 R to 0.7 R, and where they are, shape (n, 4)."""
 
     def around(r: Floats) -> Floats:
         return np.full_like(r, ratio)
 
     grown = _grown(Growth("cone", np.ones_like, around, np.zeros_like), COARSER[1], irregular)
     distance = _distances(grown.result.mesh.nodes)
-    x = grown.result.positions[-1][(distance > 0.3) & (distance < INNER)]
-    slope = np.polyfit(np.hypot(x[:, 0], x[:, 1]), x[:, 2], 1)[0]
+    inside = (distance > 0.3) & (distance < INNER)
+    return np.column_stack([distance, grown.result.positions[-1]])[inside]
+
+
+def _cone_angle(ratio: float, irregular: float) -> float:
+    """Angle between axis and surface [°]."""
+    _, x, y, z = _cone(ratio, irregular).T
+    slope = np.polyfit(np.hypot(x, y), z, 1)[0]
     return 90.0 - float(np.rad2deg(np.arctan(abs(slope))))
+
+
+def _ridge(ratio: float, irregular: float) -> float:
+    """Height of the highest ray, or depth of the lowest, over its length: their mean."""
+    distance, _, _, z = _cone(ratio, irregular).T
+    steepness = z / (RADIUS * distance)
+    return 0.5 * float(np.ptp(steepness))
 
 
 def _determinant(form: Floats) -> Floats:
