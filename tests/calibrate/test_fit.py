@@ -507,6 +507,24 @@ def test_parameters_are_found_within_3_percent_whatever_the_noise(
         np.testing.assert_allclose(best.values, list(truth.values()), rtol=0.03)
 
 
+@pytest.mark.slow
+def test_a_whole_fit_ends_one_way_where_noise_is_left(
+    small_design: sm.Design, tmp_path: Path
+) -> None:
+    scan = scanned(made_with(small_design, "eps_pre"), known=True, times=2, seed=3)
+    parameters = read_parameters(["eps_pre=-0.8:-0.2"], small_design)
+    file = tmp_path / "evaluations.jsonl"
+    fit = calibrate(small_design, parameters, scans=[scan], options=QUICK, journal=file)
+    assert fit.best.values[0] == pytest.approx(TRUTH["eps_pre"], rel=0.03)
+    assert fit.intervals[0].low < TRUTH["eps_pre"] < fit.intervals[0].high
+    assert "one way" in fit.notes[0]
+    assert len(fit.evaluations) > len(fit.intervals[0].profile)  # those of the search, too
+    again = calibrate(
+        small_design, parameters, scans=[scan], options=QUICK, journal=file, resume=True
+    )
+    assert (again.best.values, again.simulations) == (fit.best.values, 0)
+
+
 def test_without_noise_the_polish_finds_all_digits(small_design: sm.Design) -> None:
     names = ("eps_pre", "gamma")
     shape = subdivided(shape_of(made_with(small_design, *names)), 1)
