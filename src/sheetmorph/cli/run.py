@@ -26,6 +26,13 @@ STARTED = perf_counter()
 @set_values
 @click.option("--resume", is_flag=True, help="Go on with a run that was cut off in this folder.")
 @click.option("--force", is_flag=True, help="Replace the results that are in the folder.")
+@click.option(
+    "--modes",
+    type=click.IntRange(0, 50),
+    default=0,
+    metavar="N",
+    help="Compute the N softest modes of every state, and the first bifurcation: modes.h5.",
+)
 @click.option("-q", "--quiet", is_flag=True, help="Print nothing but errors.")
 @click.option("--json", "as_json", is_flag=True, help="Print the summary as JSON, nothing else.")
 def run(
@@ -34,6 +41,7 @@ def run(
     overrides: tuple[str, ...],
     resume: bool,
     force: bool,
+    modes: int,
     quiet: bool,
     as_json: bool,
 ) -> None:
@@ -58,7 +66,13 @@ def run(
 
         try:
             result, notes = run_design(
-                design, folder, resume=resume, force=force, on_event=listener, started=STARTED
+                design,
+                folder,
+                resume=resume,
+                force=force,
+                modes=modes,
+                on_event=listener,
+                started=STARTED,
             )
         except KeyboardInterrupt:
             raise click.exceptions.Abort("interrupted; add --resume to go on") from None
@@ -94,7 +108,19 @@ def _tell(summary: dict[str, Any], folder: Path, notes: list[str]) -> None:
         f"  mesh       {summary['nodes']} nodes, {summary['triangles']} triangles\n"
         f"  solve      {seconds['total']:.2f} s, {summary['factorisations']} factorisations by "
         f"{summary['solver']}, {summary['states']} states\n"
+        f"{_stability(summary)}"
         f"  everything {seconds['wall']:.1f} s\n"
         f"results in {folder}{'/' if not str(folder).endswith('/') else ''}"
         f"{' (open report.html)' if (folder / 'report.html').is_file() else ''}"
     )
+
+
+def _stability(summary: dict[str, Any]) -> str:
+    """The softest modes and the first bifurcation, where they were asked for."""
+    if "stability" not in summary:
+        return ""
+    told = summary["stability"]
+    values = ", ".join(f"{value:.3g}" for value in told["eigenvalues_N_per_m3"])
+    first = told["first_bifurcation"]
+    place = f"at eps_pre {first['eps_pre']:.4g}" if first else "none found"
+    return f"  modes      {values} N/m³; first bifurcation without load: {place}\n"

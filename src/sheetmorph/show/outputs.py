@@ -16,9 +16,10 @@ from sheetmorph.show.render import RenderWorker
 from sheetmorph.study.journal import Journal
 from sheetmorph.study.result import Result
 from sheetmorph.study.simulate import simulate
+from sheetmorph.study.stability import stability_of, write_modes
 
 OUTPUTS = (
-    *("result.h5", "summary.json", "shape.stl", "animation.gif", "report.html"),
+    *("result.h5", "summary.json", "shape.stl", "animation.gif", "report.html", "modes.h5"),
     *("series/shape.pvd", "series/shape_[0-9]*.vtu"),
     *(f"pictures/{name}" for name in NAMES),
 )
@@ -34,6 +35,7 @@ def run_design(
     *,
     resume: bool = False,
     force: bool = False,
+    modes: int = 0,
     on_event: Listener = silent,
     started: float | None = None,
 ) -> tuple[Result, list[str]]:
@@ -45,6 +47,7 @@ def run_design(
             `outputs` ask: series/ for ParaView, pictures/, animation.gif, report.html.
         resume: go on from the states that an unfinished run left in the folder.
         force: replace the results that are in the folder.
+        modes: how many of the softest modes of every state to compute and write as modes.h5.
         on_event: told of the progress.
         started: `time.perf_counter()` at the beginning of the job; now by default.
 
@@ -68,6 +71,10 @@ def run_design(
         if result.status == "interrupted":
             return result, notes
         on_event(Progress(0.95, "writing"))
+        if modes:
+            on_event(Progress(0.95, "computing modes"))
+            found, result.summary["stability"] = stability_of(result, modes)
+            write_modes(found, place / "modes.h5")
         result.save(place)
         write_stl(place / "shape.stl", result.mesh.triangles, result.positions[-1])
         if wanted.series:
