@@ -239,9 +239,10 @@ def _search(
             lambda found=found: descend(evaluations, found, max(COARSE, options.tolerance))
             for found in begun
         ]
-        evaluations.chains(works)
+        ends = evaluations.chains(works)
         listener.stage("polishing")
-        near = evaluations.best()
+        # Not the best that is known: a journal that is taken up knows more than the search saw.
+        near = min([*scattered, *ends], key=lambda found: found.misfit)
         passed: list[tuple[float, ...]] = []
         noisy = _by_points(task, near)
         if noisy is not None:
