@@ -469,7 +469,7 @@ def polished(task: Task, start: tuple[float, ...]) -> Evaluation:
     assert isinstance(target, ScanTarget)
     assert noise_alone(target, near)
     evaluations = Evaluations(replace(task, targets=(target.by_points(near),)), "x")
-    best = polish(evaluations, evaluations(start), 5e-3)
+    best = polish(evaluations, evaluations(start), 1e-3)
     assert best is not None
     return best
 
