@@ -86,7 +86,7 @@ def prove(reference: Path | None = None) -> Proof:
             "natural curvature is κ0 = 1.5 e/h both ways. A narrow strip takes it; a wide one "
             "cannot, for that would stretch it: it rolls up lengthwise with (1 + ν) κ0, and its "
             "edges alone curve across. In between the curvature is lower than κ0. Strips "
-            f"{ASPECT} times as long as wide, a quarter of each, {CELLS} cells over half the width; "
+            f"{ASPECT} times as long as wide, quarters of them, {CELLS} cells over half the width: "
             "the curvature is that of the circle through the middle line, the ends left out. The "
             "known answer is that of a cross-section that bends as a beam on an elastic "
             "foundation, at the lengthwise curvature of least energy."
