@@ -17,7 +17,7 @@ PIPES = (1.5, 2.0, 3.0, 4.0)
 THIN = 16.0
 """S = κ0 R²/(4 h) of the states: before the bifurcation, after it, and of the thin limit."""
 MESHES = {"structured": 0.0, "irregular": 0.2}
-LENS_RINGS, DISC_RINGS = 32, 24
+LENS_RINGS, DISC_RINGS = 40, 24
 WHOLE_RINGS = (8, 12, 16)
 """Of whole discs, and of the meshes that give the order."""
 CRITICAL_S, CRITICAL_K = 2.0 / (1.0 + POISSON) ** 1.5, (1.0 + POISSON) ** -0.5
