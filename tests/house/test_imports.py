@@ -24,6 +24,7 @@ MAY_IMPORT: dict[str, set[str]] = {
     "paper": {*STUDY, "study"},
     "proofs": {*STUDY, "study"},
     "twin": {"core", "geometry", "design", "solve", "study"},
+    "sweep": {"core", "geometry", "design", "study"},
     "show": {
         "core",
         "geometry",
@@ -34,11 +35,12 @@ MAY_IMPORT: dict[str, set[str]] = {
         "calibrate",
         "paper",
         "proofs",
+        "sweep",
     },
     "fabricate": {"core", "geometry", "drawing", "design"},
     "cli": {
         *STUDY,
-        *("study", "calibrate", "paper", "proofs", "twin", "show", "fabricate"),
+        *("study", "calibrate", "paper", "proofs", "twin", "sweep", "show", "fabricate"),
     },
 }
 PLOTTING = {"matplotlib", "vtkmodules", "vtk", "PIL", "jinja2", "rich", "click"}

@@ -15,7 +15,9 @@ from sheetmorph.cli.history import history
 from sheetmorph.cli.material import material
 from sheetmorph.cli.new import new
 from sheetmorph.cli.paper import paper
+from sheetmorph.cli.plot import plot
 from sheetmorph.cli.run import run
+from sheetmorph.cli.sweep import sweep
 from sheetmorph.cli.verify import verify
 from sheetmorph.core.errors import SheetmorphError
 
@@ -35,7 +37,10 @@ def cli() -> None:
     """
 
 
-for _command in (new, check, run, compare, history, calibrate, fabricate, material, paper, verify):
+for _command in (
+    *(new, check, run, compare, history, calibrate, fabricate, material, paper, verify),
+    *(sweep, plot),
+):
     cli.add_command(_command)
 
 

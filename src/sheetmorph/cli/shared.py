@@ -30,13 +30,18 @@ def load_design(file: Path, overrides: tuple[str, ...]) -> Design:
     """The design of a file with the values that --set gives."""
     from sheetmorph.design.spec import Design
 
+    return Design.load(file, read_values(overrides))
+
+
+def read_values(overrides: tuple[str, ...]) -> dict[str, object]:
+    """The keys that --set gives, with their values as text."""
     values: dict[str, object] = {}
     for text in overrides:
         key, equals, value = text.partition("=")
         if not equals or not key.strip():
             raise InputError("--set wants KEY=VALUE, such as actuation.eps_pre=-0.3", value=text)
         values[key.strip()] = value.strip()
-    return Design.load(file, values)
+    return values
 
 
 def read_length(text: str | None, option: str) -> float | None:
