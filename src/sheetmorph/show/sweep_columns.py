@@ -22,12 +22,14 @@ class Column:
     Attributes:
         name: of the column.
         label: with the unit.
+        unit: in which the values are; empty for plain numbers and texts.
         values: one per row, NaN where there is none; places in `names` where it holds texts.
         names: the different texts; empty for numbers.
     """
 
     name: str
     label: str
+    unit: str
     values: Floats
     names: tuple[str, ...] = ()
 
@@ -61,14 +63,14 @@ def read_column(sweep: Sweep, name: str) -> Column:
         raise InputError("no design has a value of this column", value=name)
     if not any(isinstance(cell, str) for cell in present):
         numbers = [np.nan if cell is None else factor * float(cell) for cell in cells]
-        return Column(name, label, np.array(numbers))
+        return Column(name, label, shown, np.array(numbers))
     names = tuple(sorted(set(present)))
     if len(names) > MOST_NAMES:
         raise InputError(
             f"has {len(names)} different texts; choose a column of numbers", value=name
         )
     places = [np.nan if cell is None else float(names.index(cell)) for cell in cells]
-    return Column(name, label, np.array(places), names)
+    return Column(name, label, shown, np.array(places), names)
 
 
 def input_names(sweep: Sweep) -> list[str]:

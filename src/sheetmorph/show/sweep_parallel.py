@@ -18,11 +18,13 @@ from sheetmorph.show.sweep_columns import Column, input_names, read_column
 from sheetmorph.sweep.dataset import Sweep
 
 TEMPLATE = "parallel.html"
-USUAL = ("aspect_ratio", "height_m", "energy_J.total")
-"""Columns that are shown beside the inputs."""
+USUAL = ("energy_J.total", "height_m", "aspect_ratio")
+"""Columns that are shown beside the inputs; the last one colours the lines."""
 MOST_AXES = 12
 MOST_LINES = 3000
 LISTED = 40
+FEW = 6
+"""Different numbers of a column up to which each of them is written at its axis."""
 _TOP, _BOTTOM, _STEP, _SIDE = 62.0, 460.0, 150.0, 80.0
 
 _REFERENCES = (
@@ -155,7 +157,11 @@ def _axis(column: Column, x: float) -> dict[str, Any]:
     if column.names:
         ticks = [(float(k), style.shortened(name, 14)) for k, name in enumerate(column.names)]
     else:
-        ticks = [(v, f"{v:.3g}".replace("-", "−")) for v in np.linspace(low, high, 5)]
+        own = np.unique(column.values[~np.isnan(column.values)])
+        values = own if len(own) <= FEW else np.linspace(low, high, 5)
+        if (own == own.round()).all():
+            values = np.unique(values.round())
+        ticks = [(v, f"{v:.3g}".replace("-", "−")) for v in values]
     table, _, name = column.label.rpartition(".")
     return {
         "x": x,

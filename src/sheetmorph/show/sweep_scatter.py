@@ -77,6 +77,7 @@ def _colours(
             frameon=False,
             fontsize=style.SMALL,
             title=by.label,
+            alignment="left",
         )
         return np.asarray(palette[np.nan_to_num(by.values).astype(int)])
     low, high = float(by.values[shown].min()), float(by.values[shown].max())

@@ -12,11 +12,12 @@ import numpy as np
 import shapely
 
 from sheetmorph.core.errors import InputError
+from sheetmorph.geometry.mesh import Floats
 from sheetmorph.geometry.topology import build_mesh
 from sheetmorph.show import scene, style
 from sheetmorph.show.cells import PaintedCell
 from sheetmorph.show.render import RenderWorker
-from sheetmorph.show.scene import Job, View
+from sheetmorph.show.scene import Camera, Job, View
 from sheetmorph.show.style import Sheet
 from sheetmorph.show.sweep_columns import Column, input_names, read_column
 from sheetmorph.show.texture import REGIONS, UNDER_REGIONS, textures
@@ -53,9 +54,9 @@ def draw_shapes(sweep: Sweep, count: int, by: str | None, worker: RenderWorker, 
     if order is not None and order.name not in [label.name for label in labels]:
         labels = [order, *labels[: MOST_LINES - 1]]
     shapes = [sweep[place] for place in chosen]
-    extent = max(_camera(shape).extent for shape in shapes)
+    cameras, tall = _cameras([shape["positions"][-1] for shape in shapes])
     across = min(ACROSS, len(chosen))
-    height = CELL + LINE * (len(labels) + 1) + 14
+    height = tall + LINE * (len(labels) + 1) + 14
     with style.style():
         sheet = Sheet(max(across * CELL, 640) + 40, HEAD + ceil(len(chosen) / across) * height + 12)
         sheet.title(
@@ -63,12 +64,12 @@ def draw_shapes(sweep: Sweep, count: int, by: str | None, worker: RenderWorker, 
             f"{len(chosen)} of {len(sweep)} designs, all to one scale"
             + (f", by {order.name}" if order else ""),
         )
-        for number, (place, shape) in enumerate(zip(chosen, shapes, strict=True)):
+        for number, (place, shape, camera) in enumerate(zip(chosen, shapes, cameras, strict=True)):
             band, column = divmod(number, across)
             x, top = 20 + column * CELL, sheet.height - HEAD - band * height
-            (image,) = worker.draw(_job(shape, extent))
-            sheet.image(image, x, top - CELL)
-            _label(sheet, x + 8, top - CELL - 6, shape["row"], labels, place)
+            (image,) = worker.draw(_job(shape, camera, tall))
+            sheet.image(image, x, top - tall)
+            _label(sheet, x + 8, top - tall - 6, shape["row"], labels, place)
         return sheet.save(path)
 
 
@@ -83,11 +84,22 @@ def _chosen(sweep: Sweep, count: int, order: Column | None) -> list[int]:
     return [places[k] for k in picked]
 
 
-def _camera(shape: dict[str, Any]) -> scene.Camera:
-    return scene.perspective().fitted(shape["positions"][-1], (CELL, CELL), 0.05)
+def _cameras(shapes: Sequence[Floats]) -> tuple[list[Camera], int]:
+    """A camera for every shape, all of one scale, and the height of the pictures [px]."""
+    square = (CELL, CELL)
+    fitted = [scene.perspective().fitted(points, square, 0.05) for points in shapes]
+    extent = max(camera.extent for camera in fitted)
+    distance = max(camera.distance for camera in fitted)
+    cameras = [replace(camera, extent=extent, distance=distance) for camera in fitted]
+    spans = [
+        float(np.ptp(camera.project(points, square)[:, 1]))
+        for camera, points in zip(cameras, shapes, strict=True)
+    ]
+    tall = int(np.clip(1.1 * max(spans), 0.4 * CELL, CELL))
+    return [replace(camera, extent=extent * tall / CELL) for camera in cameras], tall
 
 
-def _job(shape: dict[str, Any], extent: float) -> Job:
+def _job(shape: dict[str, Any], camera: Camera, tall: int) -> Job:
     mesh = build_mesh(shape["nodes"], shape["triangles"])
     nothing = shapely.Polygon()
     cells = (
@@ -96,10 +108,8 @@ def _job(shape: dict[str, Any], extent: float) -> Job:
     )
     uv, pictures = textures(mesh, shape["in_pattern"].astype(np.intp), cells)
     points = shape["positions"][-1]
-    camera = _camera(shape)
-    camera = replace(camera, extent=extent, distance=camera.distance * extent / camera.extent)
     white = np.full((len(points), 3), 255, dtype=np.uint8)
-    view = View(points, white, (REGIONS, UNDER_REGIONS), camera, (CELL, CELL))
+    view = View(points, white, (REGIONS, UNDER_REGIONS), camera, (CELL, tall))
     return Job(mesh.triangles, uv, pictures, (view,))
 
 
@@ -118,6 +128,6 @@ def _label(
         color=style.HELD if failed else style.INK,
     )
     for number, column in enumerate(labels, 1):
-        name = column.label.split(".")[-1]
-        text = style.shortened(f"{name} {column.text(place)}", 27)
+        name = column.name.split(".")[-1]
+        text = style.shortened(f"{name} {column.text(place)} {column.unit}", 27)
         sheet.text(x, y - LINE * number, text, fontsize=9.5, color=style.MUTED, va="top")

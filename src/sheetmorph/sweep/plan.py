@@ -40,6 +40,7 @@ class Task:
         family: name of the family and its arguments in SI units; None with a design file.
         design: text of the design file; None with a family.
         folder: where its mesh and curve files lie, on every worker.
+        content: SHA-256 of the design file's content; empty with a family.
         states: which states are kept: "final", "all" or "none".
     """
 
@@ -49,7 +50,15 @@ class Task:
     family: tuple[str, Mapping[str, object]] | None
     design: str | None
     folder: Path | None
+    content: str
     states: str
+
+    @property
+    def id(self) -> str:
+        """Hash of what the design is made of and of its number: the same wherever it is made."""
+        parts = [self.index, self.content, self.family, dict(self.values)]
+        text = json.dumps(parts, sort_keys=True, default=str)
+        return hashlib.sha256(text.encode()).hexdigest()[:16]
 
     def make(self) -> Design:
         """The design.
@@ -140,6 +149,7 @@ class Plan:
             family=(self.family[0], arguments) if self.family else None,
             design=self.base.source if self.base else None,
             folder=self.base.folder.resolve() if self.base and self.base.folder else None,
+            content=self.base.hash if self.base else "",
             states=self.states,
         )
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
 import json
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
@@ -78,17 +77,13 @@ def lost(task: Task, reason: str) -> Outcome:
         task: the design.
         reason: for people.
     """
-    try:
-        design_hash: str | None = task.make().hash
-    except InputError:
-        design_hash = None
     found = {
         "status": LOST,
         "reason": reason,
         "seconds": None,
         "remedy": "it may want more memory than a worker has; try it alone, with run",
     }
-    return Outcome({**_head(task, design_hash), **found}, None)
+    return Outcome({**_head(task, None), **found}, None)
 
 
 @contextmanager
@@ -102,11 +97,9 @@ def one_thread() -> Iterator[None]:
 
 def _head(task: Task, design_hash: str | None) -> dict[str, Any]:
     """What names the design: the same whenever and wherever it is computed."""
-    content = design_hash or json.dumps(dict(task.inputs), sort_keys=True, default=str)
-    stable = hashlib.sha256(f"{content} {task.index}".encode()).hexdigest()[:16]
     return {
         "index": task.index,
-        "id": stable,
+        "id": task.id,
         **{key: _cell(value) for key, value in task.inputs.items()},
         "design_hash": design_hash,
         "version": __version__,
