@@ -25,6 +25,7 @@ MAY_IMPORT: dict[str, set[str]] = {
     "proofs": {*STUDY, "study"},
     "twin": {"core", "geometry", "design", "solve", "study"},
     "sweep": {"core", "geometry", "design", "study"},
+    "branches": {"core", "geometry", "design", "solve", "study"},
     "show": {
         "core",
         "geometry",
@@ -36,11 +37,22 @@ MAY_IMPORT: dict[str, set[str]] = {
         "paper",
         "proofs",
         "sweep",
+        "branches",
     },
     "fabricate": {"core", "geometry", "drawing", "design"},
     "cli": {
         *STUDY,
-        *("study", "calibrate", "paper", "proofs", "twin", "sweep", "show", "fabricate"),
+        *(
+            "study",
+            "calibrate",
+            "paper",
+            "proofs",
+            "twin",
+            "sweep",
+            "branches",
+            "show",
+            "fabricate",
+        ),
     },
 }
 PLOTTING = {"matplotlib", "vtkmodules", "vtk", "PIL", "jinja2", "rich", "click"}

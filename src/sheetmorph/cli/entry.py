@@ -7,6 +7,7 @@ import sys
 import click
 
 from sheetmorph import __version__
+from sheetmorph.cli.branches import branches
 from sheetmorph.cli.calibrate import calibrate
 from sheetmorph.cli.check import check
 from sheetmorph.cli.compare import compare
@@ -39,7 +40,7 @@ def cli() -> None:
 
 for _command in (
     *(new, check, run, compare, history, calibrate, fabricate, material, paper, verify),
-    *(sweep, plot),
+    *(branches, sweep, plot),
 ):
     cli.add_command(_command)
 

@@ -65,7 +65,7 @@ def simulate(
     began = perf_counter()
     on_event(Started(design.name))
     problem = build_problem(design, mesh)
-    options = replace(_path_options(problem), stops=tuple(stops))
+    options = replace(path_options(problem), stops=tuple(stops))
     x0 = problem.start
     known = [start_of_path(x0, WAYPOINTS, options)]
     if resume and journal is not None:
@@ -123,7 +123,8 @@ class _Aside:
         self.seconds += perf_counter() - start
 
 
-def _path_options(problem: Problem) -> PathOptions:
+def path_options(problem: Problem) -> PathOptions:
+    """Steps and limits that the design of a problem asks for."""
     chosen = problem.design.solver
     return PathOptions(
         newton=NewtonOptions(

@@ -97,7 +97,7 @@ def modes_at(problem: Problem, system: System, x: Floats, count: int) -> Modes:
     """
     nodes = problem.mesh.nodes
     weights = np.concatenate(
-        [np.repeat(node_areas(problem), 3), np.zeros(len(problem.model.held_scalars))]
+        [np.repeat(problem.mesh.node_areas, 3), np.zeros(len(problem.model.held_scalars))]
     )
     if len(problem.held_nodes):
         return smallest_modes(system, x, count, weights=weights)
@@ -106,14 +106,6 @@ def modes_at(problem: Problem, system: System, x: Floats, count: int) -> Modes:
     free = replace(system, held=HeldDofs.of(system.energy.pattern, held))
     rigid = rigid_motions(problem.positions(x), len(problem.model.held_scalars))
     return smallest_modes(free, x, count, weights=weights, rigid=rigid)
-
-
-def node_areas(problem: Problem) -> Floats:
-    """A third of the areas of the triangles at each node before actuation [m²], shape (V,)."""
-    mesh = problem.mesh
-    areas = np.zeros(len(mesh.nodes))
-    np.add.at(areas, mesh.triangles.ravel(), np.repeat(mesh.triangle_areas / 3.0, 3))
-    return areas
 
 
 def rigid_motions(positions: Floats, scalars: int = 0) -> Floats:

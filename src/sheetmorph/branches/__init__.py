@@ -1,0 +1,1 @@
+"""Which other shapes a sheet may take, and how firmly it holds each."""
