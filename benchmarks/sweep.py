@@ -38,6 +38,8 @@ mesh_size = "{mesh}"
 family.seed = {{ from = 0, to = {last}, step = 1 }}
 [grid]
 actuation.eps_pre = [-0.3]
+supports.0.x = [["-6 mm", "6 mm"]]
+supports.0.y = [["-6 mm", "6 mm"]]
 """
 
 
@@ -107,9 +109,9 @@ def main() -> None:
         text = SWEEP.format(last=options.designs - 1, mesh=options.mesh)
         (folder / "random.toml").write_text(text)
         runs = {}
-        for out, workers, every in (("one", 1, None), ("two", 2, None),
-                                    ("killed", 2, options.kill_every)):  # fmt: skip
-            runs[out] = run(folder, out, workers, every)
+        every = options.kill_every
+        for out, workers, kills in (("two", 2, None), ("killed", 2, every), ("one", 1, None)):
+            runs[out] = run(folder, out, workers, kills)
             r = runs[out]
             print(
                 f"{out:7} {workers} workers, {r['kills']} kills: {r['designs']} designs, "
