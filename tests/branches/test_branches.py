@@ -12,6 +12,7 @@ from PIL import Image
 from small import SMALL
 
 import sheetmorph as sm
+from sheetmorph.branches.barriers import with_barriers
 from sheetmorph.branches.result import Branches
 from sheetmorph.branches.sameness import MIRROR, Sameness, may_turn_over, turned_over
 from sheetmorph.branches.search import SearchOptions, find_branches
@@ -179,7 +180,7 @@ def test_the_command(
     monkeypatch.setenv("SHEETMORPH_RENDERER", "drawn")
     file, out = tmp_path / "small.toml", tmp_path / "out"
     file.write_text(SMALL)
-    arguments = ["branches", str(file), "-o", str(out), "--modes", "0", "--random", "1"]
+    arguments = ["branches", str(file), "-o", str(out), "--modes", "0", "--random", "0"]
     assert main(arguments) == 0
     text = capsys.readouterr().out
     assert "stable" in text and "above the lowest" in text
@@ -194,3 +195,26 @@ def test_the_command(
     assert "--force" in capsys.readouterr().err
     assert main([*arguments, "--force", "--json"]) == 0
     assert json.loads(capsys.readouterr().out)["branches"] == data["branches"]
+
+
+def test_the_barrier_of_the_disc_is_its_dish(of_the_disc: Branches) -> None:
+    """Between the two rolls of a quarter the lowest way leads over the dish."""
+    rolled, dish = of_the_disc.branches
+    (barrier,) = with_barriers(of_the_disc, 3).barriers
+    assert (barrier.first, barrier.second) == (1, 1)
+    assert barrier.image == "mirrored at the line at 45°"
+    assert barrier.converged and barrier.connects and barrier.negative == 1
+    assert barrier.height == pytest.approx(dish.energy - rolled.energy, rel=1e-6)
+    assert barrier.back == pytest.approx(barrier.height, rel=1e-6)
+
+
+@pytest.mark.slow
+def test_the_barrier_between_two_bowls() -> None:
+    """The saddle lies above both."""
+    found = find_branches(sm.Design.from_toml(SMALL), SearchOptions(modes=0, random=0))
+    low, high = (one for one in found.branches if one.stable)
+    (barrier,) = with_barriers(found, 1).barriers
+    assert (barrier.first, barrier.second, barrier.image) == (low.number, high.number, "")
+    assert barrier.converged and barrier.negative == 1
+    assert barrier.height > high.energy - low.energy > 0.0
+    assert barrier.height - barrier.back == pytest.approx(high.energy - low.energy, rel=1e-6)

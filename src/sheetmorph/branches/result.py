@@ -52,6 +52,8 @@ class Branch:
         negative: negative eigenvalues of the Hessian: 0 where stable.
         eigenvalue: the smallest [N/m³], see `sheetmorph.study.stability`.
         residual: largest residual force [N].
+        positions_found: states of the first shape in each position, by the name of the map;
+            "" is x itself.
     """
 
     number: int
@@ -61,6 +63,7 @@ class Branch:
     negative: int
     eigenvalue: float
     residual: float
+    positions_found: dict[str, Floats] = field(default_factory=dict)
 
     @property
     def stable(self) -> bool:
@@ -74,19 +77,24 @@ class Barrier:
 
     Attributes:
         first, second: numbers of the branches.
+        image: position of the second, "" for the one that was found first.
         height: energy of the saddle over that of the first [J].
         back: the same over that of the second [J].
         negative: negative eigenvalues of the saddle: 1 where it is the top of a path that
             cannot be lowered nearby.
         converged: True where the saddle is an equilibrium.
+        connects: True where the sheet falls from the saddle into the two shapes; where it does
+            not, there are other shapes on the way.
     """
 
     first: int
     second: int
+    image: str
     height: float
     back: float
     negative: int
     converged: bool
+    connects: bool
 
 
 @dataclass(frozen=True, eq=False)
@@ -155,10 +163,12 @@ class Branches:
                 {
                     "first": one.first,
                     "second": one.second,
+                    "image": one.image,
                     "height_J": one.height,
                     "back_J": one.back,
                     "negative_eigenvalues": one.negative,
                     "converged": one.converged,
+                    "connects": one.connects,
                 }
                 for one in self.barriers
             ],

@@ -227,10 +227,11 @@ class _Search:
             apart, image = self.sameness.distance(known.positions, branch.positions)
             if apart <= self.options.tolerance and known.stable == branch.stable:
                 number = known.number
+                known.positions_found.setdefault(image, branch.x)
                 break
         if number is None:
             number, image = len(self.found) + 1, ""
-            self.found.append(replace(branch, number=number))
+            self.found.append(replace(branch, number=number, positions_found={"": branch.x}))
         self.attempts.append(replace(attempt, branch=number, image=image))
 
     def _branch(self, x: Floats, keep: bool) -> Branch | None:

@@ -10,6 +10,7 @@ import numpy as np
 from sheetmorph.core.errors import ComputationError
 from sheetmorph.geometry.mesh import Floats
 from sheetmorph.solve.critical import stationary
+from sheetmorph.solve.stability import negative_eigenvalues
 from sheetmorph.solve.system import System
 from sheetmorph.study.model import Problem
 from sheetmorph.study.stability import modes_at
@@ -65,7 +66,7 @@ def unperturbed_path(problem: Problem, system: System) -> list[Station]:
         eigenvalues are few.
     """
     start = system.at(0.0, 0.0)
-    path = [Station(0.0, problem.start, _negative(start, problem.start))]
+    path = [Station(0.0, problem.start, negative_eigenvalues(start, problem.start))]
     step = FIRST_STEP
     while path[-1].ramp < 1.0 and path[-1].negative <= MOST_NEGATIVE:
         last = path[-1]
@@ -93,7 +94,7 @@ def station(
     moved, corrected = (float(np.abs(x - other).max()) for other in (last, guess))
     if corrected > 0.6 * moved and corrected > 1e-3 * problem.mesh.mean_edge_length:
         return None
-    return Station(ramp, x, _negative(here, x))
+    return Station(ramp, x, negative_eigenvalues(here, x))
 
 
 def bifurcations(
@@ -138,11 +139,3 @@ def _guess(path: list[Station], ramp: float) -> Floats:
         return last.x
     past = path[-2]
     return last.x + (ramp - last.ramp) / (last.ramp - past.ramp) * (last.x - past.x)
-
-
-def _negative(system: System, x: Floats) -> int:
-    _, _, data = system.hessian(x)
-    shift = 0.0
-    while (count := system.factorise_indefinite(data, shift)) is None:
-        shift = max(10.0 * shift, 1e-14 * float(np.abs(data[system.held.diagonal]).max()))
-    return count

@@ -34,6 +34,14 @@ if TYPE_CHECKING:
     help="Random loads that are tried.",
 )
 @click.option("--seed", type=click.IntRange(0), default=0, show_default=True, help="Of the first.")
+@click.option(
+    "--barriers",
+    type=click.IntRange(0, 50),
+    default=0,
+    show_default=True,
+    metavar="N",
+    help="Barriers from the lowest shape to the next N stable ones, other positions included.",
+)
 @click.option("--force", is_flag=True, help="Replace the branches that are in the folder.")
 @click.option("-q", "--quiet", is_flag=True, help="Print nothing but errors.")
 @click.option("--json", "as_json", is_flag=True, help="Print branches.json, nothing else.")
@@ -44,6 +52,7 @@ def branches(
     modes: int,
     random: int,
     seed: int,
+    barriers: int,
     force: bool,
     quiet: bool,
     as_json: bool,
@@ -57,6 +66,7 @@ def branches(
     \b
     Examples:
       sheetmorph branches bowl.toml
+      sheetmorph branches bowl.toml --barriers 1
       sheetmorph branches bowl.toml --random 20 --seed 100 -o bowl-shapes
     """
     design = load_design(file, overrides)
@@ -67,6 +77,7 @@ def branches(
 
     check_folder(folder, force, [file])
     with ProgressBar(quiet or as_json) as listener, naming(file):
+        from sheetmorph.branches.barriers import with_barriers
         from sheetmorph.branches.search import SearchOptions, find_branches
         from sheetmorph.core.events import Progress, Started
         from sheetmorph.show.branches import write_branches
@@ -74,6 +85,9 @@ def branches(
         listener(Started(design.name))
         options = SearchOptions(modes=modes, random=random, seed=seed)
         found = find_branches(design, options, on_event=listener)
+        if barriers:
+            listener(Progress(0.92, "barriers"))
+            found = with_barriers(found, barriers)
         listener(Progress(0.95, "drawing"))
         written = write_branches(found, folder)
     if as_json:
@@ -103,6 +117,14 @@ def _tell(found: Branches, folder: Path) -> None:
         click.echo(
             f"{one['number']:3d}  {kind:12s}  {joules(one['energy_J'] - lowest):>10s} above the "
             f"lowest  h/d {one['aspect_ratio']:.3f}  {len(one['seeds'])} seeds{positions}"
+        )
+    for barrier in found.barriers:
+        other = f"{barrier.second}{f' ({barrier.image})' if barrier.image else ''}"
+        kind = "a saddle" if barrier.converged else "at most: the string did not settle"
+        between = "" if barrier.connects or not barrier.converged else ", by way of other shapes"
+        click.echo(
+            f"from {barrier.first} to {other}: barrier {joules(barrier.height)}, "
+            f"{joules(barrier.back)} back ({kind}{between})"
         )
     lost = sum(one.branch is None for one in found.attempts)
     if lost:

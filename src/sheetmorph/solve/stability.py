@@ -57,3 +57,15 @@ def escape_saddle(system: System, x: Floats, size: float = 1e-3) -> Floats:
     reach = size * (float(np.ptp(x)) or 1.0) / float(np.abs(direction).max())
     options = [x + reach * direction, x - reach * direction]
     return min(options, key=system.value)
+
+
+def negative_eigenvalues(system: System, x: Floats) -> int:
+    """The number of negative eigenvalues of the Hessian at any state x, stable or not.
+
+    Where the Hessian is singular to working accuracy, a trace of stiffness is added.
+    """
+    _, _, data = system.hessian(x)
+    shift = 0.0
+    while (count := system.factorise_indefinite(data, shift)) is None:
+        shift = max(10.0 * shift, 1e-14 * float(np.abs(data[system.held.diagonal]).max()))
+    return count
