@@ -19,6 +19,7 @@ __all__ = [
     "Result",
     "SheetMesh",
     "SheetmorphError",
+    "Sweep",
     "__version__",
     "simulate",
 ]
@@ -31,6 +32,7 @@ _HOMES = {
     "Result": "study.result",
     "SheetMesh": "geometry.mesh",
     "SheetmorphError": "core.errors",
+    "Sweep": "sweep.dataset",
     "simulate": "study.simulate",
 }
 
@@ -40,6 +42,7 @@ if TYPE_CHECKING:
     from sheetmorph.geometry.mesh import SheetMesh
     from sheetmorph.study.result import Result
     from sheetmorph.study.simulate import simulate
+    from sheetmorph.sweep.dataset import Sweep
 
 
 def __getattr__(name: str) -> object:

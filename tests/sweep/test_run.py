@@ -156,7 +156,7 @@ def test_a_design_that_kills_its_workers_is_a_row(
                 assert rows.setdefault(outcome.row["index"], outcome) is outcome
     assert sorted(rows) == list(range(8))
     assert {k for k, one in rows.items() if one.row["status"] == "worker_lost"} == {3}
-    assert "workers died" in rows[3].row["reason"]
+    assert "every worker that computed it died" in rows[3].row["reason"]
 
 
 @pytest.mark.slow

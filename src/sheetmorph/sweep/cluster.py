@@ -160,7 +160,7 @@ def _alone(client: Client, task: Task) -> Outcome:
     try:
         outcome = future.result()
     except KilledWorker:
-        reason = f"{2 * (RETRIES + 1)} workers died of it, the last {RETRIES + 1} with it alone"
+        reason = "every worker that computed it died, also with no other design under way"
         return lost(task, reason)
     except Exception as error:
         if future.status in ("cancelled", "lost"):
