@@ -179,6 +179,40 @@ def test_an_existing_scheduler(tmp_path: Path) -> None:
     assert shares[-1] == 1.0
 
 
+@pytest.mark.slow
+def test_a_scheduler_that_is_lost(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(clusters, "PATIENCE", 10)
+    script = (
+        "import time; from distributed import LocalCluster\n"
+        "if __name__ == '__main__':\n"
+        "    cluster = LocalCluster(n_workers=1, threads_per_worker=1, host='127.0.0.1',\n"
+        "                           dashboard_address='127.0.0.1:0')\n"
+        "    print(cluster.scheduler_address, flush=True)\n"
+        "    time.sleep(600)\n"
+    )
+    (tmp_path / "cluster.py").write_text(script)
+    command = [sys.executable, str(tmp_path / "cluster.py")]
+    others = subprocess.Popen(command, stdout=subprocess.PIPE, text=True)
+    assert others.stdout is not None
+    address = others.stdout.readline().strip()
+    plan, out = Plan.load(written(tmp_path, FEW)), tmp_path / "out"
+
+    def kill_it(event: Event) -> None:
+        if isinstance(event, Progress) and event.fraction > 0:
+            others.kill()
+
+    try:
+        with pytest.raises(sm.ComputationError, match="scheduler is lost; add --resume"):
+            run_sweep(plan, out, scheduler=address, on_event=kill_it)
+    finally:
+        others.kill()
+        others.wait()
+        others.stdout.close()
+    tally = run_sweep(plan, out, workers=1, resume=True)
+    assert tally.present == 8
+    assert 0 < tally.computed < 8
+
+
 def test_a_scheduler_that_is_not_there(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(clusters, "PATIENCE", 1)
     plan = Plan.load(written(tmp_path, FEW))

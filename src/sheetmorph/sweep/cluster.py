@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import logging
 import os
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from itertools import islice
 from time import monotonic
@@ -46,7 +46,7 @@ def cluster(workers: int, scheduler: str | None, on_event: Listener) -> Iterator
         import dask
         import distributed
     if scheduler is not None:
-        with _existing(distributed, scheduler) as client:
+        with _quiet(), _existing(distributed, scheduler) as client:
             on_event(Notice(f"dashboard: {client.dashboard_link}"))
             yield client
         return
@@ -54,6 +54,7 @@ def cluster(workers: int, scheduler: str | None, on_event: Listener) -> Iterator
     settings = {
         "distributed.scheduler.allowed-failures": RETRIES,
         "distributed.worker.daemon": True,
+        "distributed.comm.timeouts.connect": "10s",  # a worker that is dead does not answer
         "distributed.admin.tick.limit": "1h",  # a busy machine is no news
     }
     with dask.config.set(settings), _quiet():
@@ -133,7 +134,7 @@ def solved(client: Client, tasks: Iterator[Task]) -> Iterator[list[Outcome]]:
         running.update(futures)
         return bool(futures)
 
-    while send() or sent:
+    while _reached(send) or sent:
         batch: list[Future] = next(running.batches())
         done: list[Outcome] = []
         for future in batch:
@@ -151,6 +152,13 @@ def solved(client: Client, tasks: Iterator[Task]) -> Iterator[list[Outcome]]:
             yield done
     for task in suspects:
         yield [_alone(client, task)]
+
+
+def _reached(send: Callable[[], bool]) -> bool:
+    try:
+        return send()
+    except OSError as error:
+        raise _no_scheduler() from error
 
 
 def _alone(client: Client, task: Task) -> Outcome:
