@@ -16,18 +16,26 @@ from sheetmorph.branches.barriers import with_barriers
 from sheetmorph.branches.result import Branches
 from sheetmorph.branches.sameness import MIRROR, Sameness, may_turn_over, turned_over
 from sheetmorph.branches.search import SearchOptions, find_branches
-from sheetmorph.branches.seeds import random_loads
+from sheetmorph.branches.seeds import (
+    inverted_sectors,
+    random_loads,
+    sector_shares,
+    sets_of_sectors,
+)
 from sheetmorph.branches.walk import bifurcations, unperturbed_path
 from sheetmorph.cli import main
 from sheetmorph.core.errors import InputError
+from sheetmorph.design.presets import preset_text
 from sheetmorph.geometry.symmetry import node_images
 from sheetmorph.proofs.bilayer_disc import DiscSheet
 from sheetmorph.solve.critical import stationary
+from sheetmorph.solve.minimise import NewtonOptions, Outcome, minimise
+from sheetmorph.solve.stability import negative_eigenvalues
 from sheetmorph.study.model import build_problem
 from sheetmorph.study.stability import first_bifurcation, system_of
 
 NATURAL = 2.0
-FEW = SearchOptions(modes=1, random=2)
+FEW = SearchOptions(modes=1, sectors=False, random=2)
 
 
 @pytest.fixture(scope="module")
@@ -69,7 +77,7 @@ def test_the_bifurcation_of_the_disc(sheet: DiscSheet, of_the_disc: Branches) ->
 def test_up_and_down_bowls_are_mirror_images() -> None:
     """Without coupling the published model cannot tell up from down."""
     design = sm.Design.from_toml(SMALL).with_values({"published.coupling": 0.0})
-    found = find_branches(design, SearchOptions(modes=1, random=0))
+    found = find_branches(design, SearchOptions(modes=1, sectors=False, random=0))
     bowl = found.branches[0]
     images = {one.image for one in found.seeds_of(1)}
     assert bowl.stable and "" in images and MIRROR in images
@@ -132,6 +140,56 @@ def test_images_of_a_shape_are_the_same_shape() -> None:
     assert same.distance(state, other)[0] > 0.01
 
 
+@pytest.mark.parametrize(("order", "kinds"), [(2, 1), (3, 2), (4, 4), (6, 11)])
+def test_sets_of_sectors_are_the_bracelets(order: int, kinds: int) -> None:
+    """Bracelets of two colours, without the two of one colour: 3, 4, 6 and 13 less 2."""
+    found = sets_of_sectors(order)
+    assert len(found) == len(set(found)) == kinds
+    assert all(0 < len(chosen) < order for chosen in found)
+
+
+def test_an_inverted_sector(small_result: sm.Result) -> None:
+    problem = build_problem(small_result.design, small_result.mesh)
+    nodes, x = problem.mesh.nodes, small_result.positions[-1].ravel()
+    share = sector_shares(problem)
+    assert share.shape == (3, len(nodes))
+    assert (share.sum(axis=0) <= 1.0 + 1e-12).all() and (share.max(axis=1) == 1.0).all()
+    moved = problem.positions(inverted_sectors(problem, x, (1,)))
+    before = problem.positions(x)
+    level = before[np.linalg.norm(nodes, axis=1).argmin(), 2]
+    inside, outside = share[1] == 1.0, share[1] == 0.0
+    np.testing.assert_allclose(moved[inside, 2], 2 * level - before[inside, 2], atol=1e-15)
+    np.testing.assert_allclose(moved[outside], before[outside], atol=1e-15)
+    np.testing.assert_array_equal(moved[:, :2], before[:, :2])
+
+
+@pytest.mark.slow
+def test_each_lobe_of_the_stiff_bowl_can_be_inverted() -> None:
+    """With the printed form of the stretching stiffness one arm of six stays below the hub; with
+    that of the published code it turns up again."""
+    for form, stays in (("printed", True), ("scaled_by_edge_length", False)):
+        values = {
+            "mesh.size": "4 mm",
+            "mesh.symmetry": "auto",
+            "published.stretch_stiffness": form,
+        }
+        design = sm.Design.from_toml(preset_text("bowl")).with_values(values)
+        result = sm.simulate(design)
+        problem = build_problem(design, result.mesh)
+        here = system_of(problem).at(1.0, 0.0)
+        options = NewtonOptions(problem.residual_tolerance, max_iterations=1000)
+        radius = np.linalg.norm(problem.mesh.nodes, axis=1)
+        ends = (sector_shares(problem) > 0.5) & (radius > 0.9 * radius.max())
+        start = result.positions[-1].ravel()
+        found = minimise(here, inverted_sectors(problem, start, (2,)), options)
+        assert found.outcome is Outcome.CONVERGED
+        assert negative_eigenvalues(here, found.x) == 0
+        z = problem.positions(found.x)[:, 2]
+        heights = [z[end].mean() - z[radius.argmin()] for end in ends]
+        assert (heights[2] < 0.0) == stays
+        assert min(heights[k] for k in (0, 1, 3, 4, 5)) > 0.0
+
+
 def test_random_loads_are_those_of_their_seeds(sheet: DiscSheet) -> None:
     a, b = (random_loads(sheet.problem, sheet.system, 2, seed) for seed in (3, 4))
     forces = [one.system.energy.force for one in (*a, *b)]
@@ -180,7 +238,17 @@ def test_the_command(
     monkeypatch.setenv("SHEETMORPH_RENDERER", "drawn")
     file, out = tmp_path / "small.toml", tmp_path / "out"
     file.write_text(SMALL)
-    arguments = ["branches", str(file), "-o", str(out), "--modes", "0", "--random", "0"]
+    arguments = [
+        "branches",
+        str(file),
+        "-o",
+        str(out),
+        "--modes",
+        "0",
+        "--random",
+        "0",
+        "--no-sectors",
+    ]
     assert main(arguments) == 0
     text = capsys.readouterr().out
     assert "stable" in text and "above the lowest" in text
@@ -211,7 +279,9 @@ def test_the_barrier_of_the_disc_is_its_dish(of_the_disc: Branches) -> None:
 @pytest.mark.slow
 def test_the_barrier_between_two_bowls() -> None:
     """The saddle lies above both."""
-    found = find_branches(sm.Design.from_toml(SMALL), SearchOptions(modes=0, random=0))
+    found = find_branches(
+        sm.Design.from_toml(SMALL), SearchOptions(modes=0, sectors=False, random=0)
+    )
     low, high = (one for one in found.branches if one.stable)
     (barrier,) = with_barriers(found, 1).barriers
     assert (barrier.first, barrier.second, barrier.image) == (low.number, high.number, "")

@@ -35,12 +35,14 @@ class SearchOptions:
 
     Attributes:
         modes: kicked at each bifurcation, and from the final shape of the run.
+        sectors: invert sectors of the design's rotations in the final shape of the run.
         random: number of random loads.
         seed: of the first of them; the next ones count on.
         tolerance: shapes nearer than this are the same: root mean square distance over size.
     """
 
     modes: int = 3
+    sectors: bool = True
     random: int = 4
     seed: int = 0
     tolerance: float = 0.01
@@ -67,8 +69,8 @@ def find_branches(
 
     The run of the design comes first; then the one with the opposite perturbation, kicks of both
     signs along the modes that lose their stability on the path without perturbation, wide
-    kicks along the softest modes of the final shape, random loads, and the shapes found so far
-    turned over. Each is followed to full actuation without load.
+    kicks along the softest modes of the final shape, sectors of it inverted, random loads, and the
+    shapes found so far turned over. Each is followed to full actuation without load.
 
     Args:
         design: the sheet.
@@ -128,6 +130,8 @@ def _seeds(
         size = problem.mesh.nodes.size
         modes = modes / np.abs(modes[:, :size]).max(axis=1, keepdims=True)
         yield from seeds.from_modes(problem, system, first.x, modes, "the run")
+    if options.sectors and search.found:
+        yield from seeds.with_sectors_inverted(problem, system, search.found[0].x)
     yield from seeds.random_loads(problem, system, options.random, options.seed)
 
 
@@ -161,7 +165,7 @@ class _Search:
         """Follow a seed to full actuation."""
         first = seed.waypoints[0]
         x = seed.x
-        if seed.kind in ("bifurcation", "mode", "mirrored"):
+        if seed.kind in ("bifurcation", "mode", "sectors", "mirrored"):
             here = seed.system.at(first.ramp, first.load)
             settled = minimise(here, x, self._newton)
             if settled.outcome is not Outcome.CONVERGED:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from itertools import combinations
 from typing import Self
 
 import numpy as np
@@ -24,6 +25,12 @@ FAR_KICKS = (0.05, 0.2)
 RANDOM_RISE = 0.02
 """Largest displacement that a random load would bring about on the flat sheet without
 actuation, over its size."""
+
+MOST_SECTORS = 6
+"""Order of rotations up to which all sets of sectors are inverted."""
+
+FADE = np.radians(8.0)
+"""Angle at the side of a sector over which its inversion fades."""
 
 WAVES = 3
 """Most waves of random loads over the size of the sheet."""
@@ -71,8 +78,8 @@ class Seed:
 
     Attributes:
         name: for people, such as "kick + along mode 1 at 3.1 %".
-        kind: "perturbation", "opposite perturbation", "bifurcation", "mode", "random load" or
-            "mirrored".
+        kind: "perturbation", "opposite perturbation", "bifurcation", "mode", "sectors",
+            "random load" or "mirrored".
         waypoints: the loading path; a single one where the actuation is full.
         x: the state at its first point, or near it, shape (n,).
         system: the problem with the load of this seed.
@@ -118,6 +125,75 @@ def from_modes(problem: Problem, system: System, x: Floats, modes: Floats, of: s
                 kicked = x + sign * far * problem.mesh.size * mode
                 seeds.append(Seed(name, "mode", (Waypoint(1.0, 0.0),), kicked, system))
     return seeds
+
+
+def with_sectors_inverted(problem: Problem, system: System, x: Floats) -> list[Seed]:
+    """A final state with sectors of the design's rotations mirrored at the plane of its middle.
+
+    All sets of sectors but the whole sheet, those alone that no rotation or mirror image takes
+    into each other. None for designs without rotations, or with more of them than 6.
+    """
+    order = problem.design.symmetry.order
+    if not 2 <= order <= MOST_SECTORS:
+        return []
+    seeds = []
+    for chosen in sets_of_sectors(order):
+        name = f"sectors {', '.join(str(k + 1) for k in chosen)} of {order} inverted"
+        moved = inverted_sectors(problem, x, chosen)
+        seeds.append(Seed(name, "sectors", (Waypoint(1.0, 0.0),), moved, system))
+    return seeds
+
+
+def sets_of_sectors(order: int) -> list[tuple[int, ...]]:
+    """Sets of 1 to order − 1 of the sectors around, one of each kind of necklace."""
+    seen: set[tuple[int, ...]] = set()
+    kept = []
+    for count in range(1, order):
+        for chosen in combinations(range(order), count):
+            if chosen not in seen:
+                kept.append(chosen)
+            seen |= {
+                tuple(sorted((sign * k + turn) % order for k in chosen))
+                for turn in range(order)
+                for sign in (1, -1)
+            }
+    return kept
+
+
+def sector_shares(problem: Problem) -> Floats:
+    """How far each node belongs to each sector of the design, 0 to 1, shape (order, V).
+
+    With mirror lines the first sector lies about the first of them.
+    """
+    symmetry = problem.design.symmetry
+    x, y = (problem.mesh.nodes[:, :2] - symmetry.centre).T
+    first, width = symmetry.mirror or 0.0, 2.0 * np.pi / symmetry.order
+    rows = []
+    for k in range(symmetry.order):
+        off = np.arctan2(y, x) - first - k * width
+        off = np.abs((off + np.pi) % (2.0 * np.pi) - np.pi)
+        rows.append(np.clip((0.5 * width - off) / FADE, 0.0, 1.0))
+    return np.array(rows)
+
+
+def inverted_sectors(
+    problem: Problem, x: Floats, chosen: Sequence[int], depth: float = 1.0
+) -> Floats:
+    """A state with sectors mirrored at the height of the sheet's middle, shape (n,).
+
+    Args:
+        problem: the problem.
+        x: the state, shape (n,).
+        chosen: numbers of the sectors.
+        depth: height beyond the middle over that on this side of it; 1 for a mirror image.
+    """
+    share = sector_shares(problem)[list(chosen)].sum(axis=0)
+    moved, size = x.copy(), problem.mesh.nodes.size
+    middle = np.linalg.norm(problem.mesh.nodes[:, :2] - problem.design.symmetry.centre, axis=1)
+    z = x[2:size:3]
+    level = float(z[middle.argmin()])
+    moved[2:size:3] = level + (1.0 - (1.0 + depth) * share) * (z - level)
+    return moved
 
 
 def random_loads(problem: Problem, system: System, count: int, seed: int) -> list[Seed]:

@@ -26,6 +26,7 @@ if TYPE_CHECKING:
     show_default=True,
     help="Modes kicked at each bifurcation, and from the final shape.",
 )
+@click.option("--no-sectors", is_flag=True, help="Do not invert sectors of symmetric designs.")
 @click.option(
     "--random",
     type=click.IntRange(0, 1000),
@@ -50,6 +51,7 @@ def branches(
     output: str | None,
     overrides: tuple[str, ...],
     modes: int,
+    no_sectors: bool,
     random: int,
     seed: int,
     barriers: int,
@@ -83,7 +85,7 @@ def branches(
         from sheetmorph.show.branches import write_branches
 
         listener(Started(design.name))
-        options = SearchOptions(modes=modes, random=random, seed=seed)
+        options = SearchOptions(modes, not no_sectors, random, seed)
         found = find_branches(design, options, on_event=listener)
         if barriers:
             listener(Progress(0.92, "barriers"))
