@@ -8,6 +8,7 @@ import subprocess
 import sys
 import time
 from collections.abc import Iterator
+from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -52,6 +53,13 @@ def workers_of(pid: int) -> list[int]:
     return found
 
 
+def end_all(pids: set[int]) -> None:
+    """SIGKILL."""
+    for pid in pids:
+        with suppress(ProcessLookupError):
+            os.kill(pid, signal.SIGKILL)
+
+
 @pytest.fixture(scope="module")
 def undisturbed(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """The sixty designs, computed by one worker that nobody kills."""
@@ -70,13 +78,21 @@ def undisturbed(tmp_path_factory: pytest.TempPathFactory) -> Path:
 def test_killed_workers_change_nothing(undisturbed: Path, tmp_path: Path) -> None:
     file = written(tmp_path, RANDOM)
     process = subprocess.Popen([*SWEEP, str(file), "-o", str(tmp_path / "out"), "--workers", "2"])
-    kills = 0
+    kills, known, journal = 0, set(), tmp_path / "out" / "unfinished.sqlite"
     while process.poll() is None:
         time.sleep(4.0)
         alive = workers_of(process.pid) if process.poll() is None else []
-        if alive:
-            os.kill(alive[kills % len(alive)], signal.SIGKILL)
-            kills += 1
+        if not alive or not journal.is_file() or journal.stat().st_size < 50_000:
+            continue
+        if not known:  # all of them at once, and those that come in their place as they start
+            known = set(alive)
+            end_all(known)
+            while not (young := set(workers_of(process.pid)) - known):
+                time.sleep(0.02)
+            end_all(young)
+        else:
+            end_all({alive[kills % len(alive)]})
+        kills += 1
     assert process.returncode == 0
     assert kills >= 2
     assert differences(undisturbed, tmp_path / "out") == []

@@ -7,6 +7,7 @@ import os
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from itertools import islice
+from threading import Event, Thread
 from time import monotonic
 from typing import TYPE_CHECKING, Any
 
@@ -25,6 +26,8 @@ RETRIES = 3
 """How often a design is tried again after its worker died, before it is tried alone."""
 PATIENCE = 60
 """Seconds to wait for a scheduler, and for its first worker."""
+_ASKED_AGAIN = 3.0
+"""Seconds after which workers that are missing are asked for again."""
 _AHEAD = 2
 """Designs per thread that are at the workers or on their way to them."""
 
@@ -66,11 +69,32 @@ def cluster(workers: int, scheduler: str | None, on_event: Listener) -> Iterator
             env=variables,
             silence_logs=logging.CRITICAL,
         )
-        with local, distributed.Client(local) as client:
+        with local, distributed.Client(local) as client, _kept_up(local, workers):
             client.register_plugin(_deaf(distributed))
             if local.dashboard_link:
                 on_event(Notice(f"dashboard: {local.dashboard_link}"))
             yield client
+
+
+@contextmanager
+def _kept_up(local: Any, workers: int) -> Iterator[None]:
+    """Ask for the workers again and again.
+
+    Dask replaces a worker that dies, but not one that dies or dawdles while it starts.
+    """
+    over = Event()
+
+    def ask() -> None:
+        while not over.wait(_ASKED_AGAIN):
+            local.scale(workers)
+
+    thread = Thread(target=ask, daemon=True)
+    thread.start()
+    try:
+        yield
+    finally:
+        over.set()
+        thread.join()
 
 
 @contextmanager
