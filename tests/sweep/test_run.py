@@ -78,21 +78,25 @@ def undisturbed(tmp_path_factory: pytest.TempPathFactory) -> Path:
 def test_killed_workers_change_nothing(undisturbed: Path, tmp_path: Path) -> None:
     file = written(tmp_path, RANDOM)
     process = subprocess.Popen([*SWEEP, str(file), "-o", str(tmp_path / "out"), "--workers", "2"])
-    kills, known, journal = 0, set(), tmp_path / "out" / "unfinished.sqlite"
+    journal = tmp_path / "out" / "unfinished.sqlite"
+    kills, size = 0, 0
+    known: set[int] = set()
     while process.poll() is None:
-        time.sleep(4.0)
-        alive = workers_of(process.pid) if process.poll() is None else []
-        if not alive or not journal.is_file() or journal.stat().st_size < 50_000:
-            continue
-        if not known:  # all of them at once, and those that come in their place as they start
-            known = set(alive)
-            end_all(known)
-            while not (young := set(workers_of(process.pid)) - known):
-                time.sleep(0.02)
-            end_all(young)
-        else:
-            end_all({alive[kills % len(alive)]})
-        kills += 1
+        time.sleep(0.1)
+        with suppress(FileNotFoundError, psutil.Error):  # it ends
+            if journal.stat().st_size < size + 80_000:
+                continue
+            size = journal.stat().st_size
+            alive = workers_of(process.pid)
+            if kills:
+                end_all(set(alive[kills % 2 :][:1]))
+            else:  # all of them at once, and those that come in their place as they start
+                known = set(alive)
+                end_all(known)
+                while not (young := set(workers_of(process.pid)) - known):
+                    time.sleep(0.02)
+                end_all(young)
+            kills += 1
     assert process.returncode == 0
     assert kills >= 2
     assert differences(undisturbed, tmp_path / "out") == []
