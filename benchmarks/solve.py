@@ -122,7 +122,7 @@ def median_of(summaries: list[dict]) -> dict:
 def machine() -> str:
     """Processor and number of cores."""
     try:
-        text = Path("/proc/cpuinfo").read_text()
+        text = Path("/proc/cpuinfo").read_text(encoding="utf-8")
         name = next(
             line.split(":")[1].strip() for line in text.splitlines() if "model name" in line
         )

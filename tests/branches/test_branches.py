@@ -252,7 +252,7 @@ def test_the_command(
     assert main(arguments) == 0
     text = capsys.readouterr().out
     assert "stable" in text and "above the lowest" in text
-    data = json.loads((out / "branches.json").read_text())
+    data = json.loads((out / "branches.json").read_text("utf-8"))
     with h5py.File(out / "branches.h5") as states:
         count = len(data["branches"])
         assert states["positions"].shape[0] == count >= 2

@@ -326,8 +326,8 @@ def test_the_journal_is_taken_up_even_with_a_torn_line(tmp_path: Path) -> None:
     again((0.3, 0.4))
     assert again.fresh == 0
     again((0.5, 0.6))
-    assert len(file.read_text().splitlines()) == 4
-    assert all(json.loads(line) for line in file.read_text().splitlines())
+    assert len(file.read_text("utf-8").splitlines()) == 4
+    assert all(json.loads(line) for line in file.read_text("utf-8").splitlines())
 
 
 @pytest.mark.parametrize(
@@ -383,7 +383,7 @@ def test_a_fit_that_is_interrupted_goes_on(small_design: sm.Design, tmp_path: Pa
     with pytest.raises(KeyboardInterrupt):
         calibrate(small_design, parameters, curves=[curve], options=options, journal=file,
                   on_event=stop)  # fmt: skip
-    assert len(file.read_text().splitlines()) == 6
+    assert len(file.read_text("utf-8").splitlines()) == 6
     whole = calibrate(small_design, parameters, curves=[curve], options=options)
     rest = calibrate(
         small_design, parameters, curves=[curve], options=options, journal=file, resume=True

@@ -261,7 +261,7 @@ def test_bad_arguments(
     capsys: pytest.CaptureFixture[str],
 ) -> None:
     monkeypatch.chdir(tmp_path)
-    Path("small.toml").write_text(SMALL)
+    Path("small.toml").write_text(SMALL, encoding="utf-8")
     refused(arguments, capsys, wanted)
     assert sorted(p.name for p in tmp_path.iterdir()) == ["small.toml"]
 

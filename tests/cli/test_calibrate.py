@@ -64,7 +64,7 @@ def test_a_fit_is_written_and_guarded(
     assert {path.name for path in folder.iterdir()} == {
         *("calibration.json", "evaluations.jsonl", "small-calibrated.toml")
     }
-    told = json.loads((folder / "calibration.json").read_text())
+    told = json.loads((folder / "calibration.json").read_text("utf-8"))
     assert told["parameters"][0]["value"] == pytest.approx(-0.47, rel=0.005)
     assert told["misfit_percent"]["fit"] < 0.1 * told["misfit_percent"]["start"]
     fitted = sm.Design.load(folder / "small-calibrated.toml")
@@ -79,7 +79,7 @@ def test_a_fit_is_written_and_guarded(
     assert main([*fit, "--force", "-q"]) == 0
     captured = capsys.readouterr()
     assert captured.out == captured.err == ""
-    assert (folder / "mine.txt").read_text() == "mine"
+    assert (folder / "mine.txt").read_text("utf-8") == "mine"
 
 
 @pytest.mark.parametrize(
@@ -136,11 +136,11 @@ def test_a_killed_fit_goes_on(
     error = process.communicate(timeout=30)[1]
     assert process.returncode == code
     assert sent is signal.SIGKILL or "--resume" in error
-    kept = len(journal.read_text().splitlines()) - 1
+    kept = len(journal.read_text("utf-8").splitlines()) - 1
     assert 3 <= kept < 40
     assert main(fit) == 2  # an unfinished fit is not thrown away
     assert main([*fit, "--resume", "-q"]) == 0
-    told = json.loads((folder / "calibration.json").read_text())
+    told = json.loads((folder / "calibration.json").read_text("utf-8"))
     assert told["simulations"] <= told["evaluations"] - kept + 1
     assert told["parameters"][0]["value"] == pytest.approx(-0.47, rel=0.005)
 
@@ -157,7 +157,7 @@ def test_a_scan_is_told_with_its_similarity(
     fit = ["calibrate", str(design), "--scan", str(scan), "--unit", "mm", "-o", str(folder)]
     assert main([*fit, "--fit", "eps_pre=-0.8:-0.2", "--starts", "2", "--workers", "1"]) == 0
     assert "SSIM" in capsys.readouterr().out
-    told = json.loads((folder / "calibration.json").read_text())
+    told = json.loads((folder / "calibration.json").read_text("utf-8"))
     assert told["parameters"][0]["value"] == pytest.approx(-0.47, rel=0.002)
     assert told["scans"][0]["fit"]["ssim"] > 0.99
     assert told["scans"][0]["fit"]["scale"] == pytest.approx(1e-3)

@@ -151,13 +151,13 @@ def test_a_comparison_is_not_overwritten_unasked(
 ) -> None:
     quick = ["run", "scan.stl", "-o", "c", *QUICK]
     Path("c/pictures").mkdir(parents=True)
-    Path("c/comparison.json").write_text("{}")
-    Path("c/mine.txt").write_text("mine")
-    Path("c/pictures/ssim.png").write_text("of an earlier comparison")
+    Path("c/comparison.json").write_text("{}", encoding="utf-8")
+    Path("c/mine.txt").write_text("mine", encoding="utf-8")
+    Path("c/pictures/ssim.png").write_text("of an earlier comparison", encoding="utf-8")
     assert "--force" in said_by(capsys, *quick)
     assert main(["compare", *quick, "--force", "-q"]) == 0
     assert json.loads(Path("c/comparison.json").read_text("utf-8"))["ssim"] > 0.99
-    assert Path("c/mine.txt").read_text() == "mine"
+    assert Path("c/mine.txt").read_text(encoding="utf-8") == "mine"
     assert not Path("c/pictures/ssim.png").exists()
 
 
@@ -165,11 +165,11 @@ def test_files_that_no_comparison_wrote_are_left_alone(
     here: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     Path("c/pictures").mkdir(parents=True)
-    Path("c/pictures/overlay.png").write_text("mine")
+    Path("c/pictures/overlay.png").write_text("mine", encoding="utf-8")
     for force in ([], ["--force"]):
         said = said_by(capsys, "run", "scan.stl", "-o", "c", *force)
         assert "c/pictures/overlay.png" in said
-    assert Path("c/pictures/overlay.png").read_text() == "mine"
+    assert Path("c/pictures/overlay.png").read_text(encoding="utf-8") == "mine"
 
 
 @pytest.mark.parametrize(

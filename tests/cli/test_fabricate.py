@@ -74,7 +74,7 @@ def test_the_assembly_sheet_tells_the_shape(
     assert main(["fabricate", "small.toml", "-o", "parts", "--json"]) == 0
     told = json.loads(capsys.readouterr().out)
     assert {"assembly.html", "assembly.pdf", "cut/sheet.dxf"} <= set(told["files"])
-    summary = json.loads(Path("run/summary.json").read_text())
+    summary = json.loads(Path("run/summary.json").read_text(encoding="utf-8"))
     page = Path("parts/assembly.html").read_text("utf-8")
     assert f"{1e3 * summary['height_m']:.1f}" in page
     assert "data:image/png;base64," in page
@@ -127,9 +127,9 @@ def test_parts_are_not_overwritten_unasked(small: Path, capsys: pytest.CaptureFi
     assert main(quick) == 0
     assert main(quick) == 2
     assert "--force" in capsys.readouterr().err
-    Path("parts/mine.txt").write_text("mine")
+    Path("parts/mine.txt").write_text("mine", encoding="utf-8")
     assert main([*quick, "--force"]) == 0
-    assert Path("parts/mine.txt").read_text() == "mine"
+    assert Path("parts/mine.txt").read_text(encoding="utf-8") == "mine"
 
 
 @pytest.mark.parametrize(
@@ -157,8 +157,8 @@ def test_bad_drawings(
 ) -> None:
     monkeypatch.chdir(tmp_path)
     shutil.copy(LEAF, tmp_path)
-    Path("text.svg").write_text("no drawing")
-    Path("plate.stl").write_text("solid")
+    Path("text.svg").write_text("no drawing", encoding="utf-8")
+    Path("plate.stl").write_text("solid", encoding="utf-8")
     open_plate(Path("plate.dxf"))
     assert main(arguments) == 2
     said = capsys.readouterr().err.strip()
@@ -168,7 +168,7 @@ def test_bad_drawings(
 
 
 def test_set_mends_a_file_that_is_not_valid_as_it_stands(small: Path) -> None:
-    small.write_text(SMALL.replace("eps_pre = -0.4", "eps_pre = -4"))
+    small.write_text(SMALL.replace("eps_pre = -0.4", "eps_pre = -4"), encoding="utf-8")
     assert main(["check", "small.toml"]) == 2
     assert main(["check", "small.toml", "--set", "actuation.eps_pre=-0.4"]) == 0
 

@@ -35,7 +35,7 @@ def place(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 def rows(path: Path) -> list[dict[str, str]]:
-    with path.open() as stream:
+    with path.open(encoding="utf-8") as stream:
         return list(csv.DictReader(stream))
 
 
@@ -164,7 +164,7 @@ def test_pictures_of_the_user_are_neither_replaced_nor_deleted(place, tmp_path, 
     mine.pop(0).unlink()
     for _ in range(2):
         assert main(command) == 0
-        assert [path.read_text() for path in mine] == ["mine", "mine"]
+        assert [path.read_text("utf-8") for path in mine] == ["mine", "mine"]
     assert (out / "films" / "oven.png").is_file()
     into_itself = ["history", "--film", str(out / "films"), "-o", str(out), "-q", "--force"]
     assert main(into_itself) == 2

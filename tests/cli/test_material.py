@@ -75,17 +75,17 @@ def test_from_rows_to_a_design(tmp_path: Path, capsys: pytest.CaptureFixture[str
     text = SMALL.replace(
         "eps_pre = -0.4", 'temperature = "149 degC"\nshrink_curve = "curve.csv"'
     ).replace('young_modulus = "3 MPa"', 'material = "PLA"')
-    Path("film/small.toml").write_text(text)
+    Path("film/small.toml").write_text(text, encoding="utf-8")
     assert main(["check", "film/small.toml"]) == 0
     assert "eps_pre -0.5953 ± 0.0026 at 149 °C" in capsys.readouterr().out
     Path("film/raw.csv").write_bytes(SHRINK.read_bytes())
-    Path("film/small.toml").write_text(text.replace("curve.csv", "raw.csv"))
+    Path("film/small.toml").write_text(text.replace("curve.csv", "raw.csv"), encoding="utf-8")
     assert main(["check", "film/small.toml"]) == 0
     assert "eps_pre -0.5953 ± 0.0026 at 149 °C" in capsys.readouterr().out
 
 
 def test_glass_temperature_by_option(capsys: pytest.CaptureFixture[str]) -> None:
-    Path("rows.csv").write_text("T/Tg, L/L0\n1, 1\n1.1, 0.5\n1.2, 0.4\n")
+    Path("rows.csv").write_text("T/Tg, L/L0\n1, 1\n1.1, 0.5\n1.2, 0.4\n", encoding="utf-8")
     refused(["shrink", "rows.csv"], capsys, 'T/Tg needs a line "# Tg = 366.5 K"')
     refused(["shrink", "rows.csv", "--tg", "warm"], capsys, "--tg")
     refused(["shrink", "rows.csv", "--tg", "-300 degC"], capsys, "--tg", "absolute zero")
@@ -110,7 +110,9 @@ def test_cantilever(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(exact) == 0
     told = capsys.readouterr()
     assert json.loads(told.out)["young_modulus"]["mean"] == pytest.approx(2.446e9, rel=2e-3)
-    assert json.loads(told.out) == json.loads(Path("exact/cantilever.json").read_text())
+    assert json.loads(told.out) == json.loads(
+        Path("exact/cantilever.json").read_text(encoding="utf-8")
+    )
     assert main([*exact[:-1], "--force", "--quiet"]) == 0
     assert capsys.readouterr() == ("", "")
 
@@ -123,17 +125,17 @@ def test_overwriting(
     command: str, file: Path, own: str, capsys: pytest.CaptureFixture[str]
 ) -> None:
     Path("out").mkdir()
-    Path("out", own).write_text("mine")
+    Path("out", own).write_text("mine", encoding="utf-8")
     refused([command, str(file), "-o", "out", "--force"], capsys, "wrote it; choose another folder")
-    assert Path("out", own).read_text() == "mine"
+    assert Path("out", own).read_text(encoding="utf-8") == "mine"
     Path("out", own).unlink()
     assert main(["material", command, str(file), "-o", "out", "-q"]) == 0
-    Path("out/mine.txt").write_text("mine")
+    Path("out/mine.txt").write_text("mine", encoding="utf-8")
     before = Path("out", own).read_bytes()
     refused([command, str(file), "-o", "out"], capsys, "add --force")
     assert main(["material", command, str(file), "-o", "out", "-q", "--force"]) == 0
     assert Path("out", own).read_bytes() == before
-    assert Path("out/mine.txt").read_text() == "mine"
+    assert Path("out/mine.txt").read_text(encoding="utf-8") == "mine"
     refused([command, str(file), "-o", "out/mine.txt"], capsys, "this is a file")
     refused([command, str(file), "-o", " "], capsys, "-o wants a folder")
 
@@ -158,8 +160,8 @@ def test_broken_files(
     wanted: str,
     capsys: pytest.CaptureFixture[str],  # type: ignore[no-untyped-def]
 ) -> None:
-    text = (SHRINK if command == "shrink" else FORCE).read_text()
-    Path("broken.csv").write_text(change(text))
+    text = (SHRINK if command == "shrink" else FORCE).read_text("utf-8")
+    Path("broken.csv").write_text(change(text), encoding="utf-8")
     refused([command, "broken.csv", "-o", "out"], capsys, "broken.csv: ", wanted)
     assert not Path("out").exists()
     refused([command, "absent.csv"], capsys, "absent.csv: there is no such file")

@@ -41,7 +41,7 @@ def test_everything_is_written(
         *("result.h5", "summary.json", "shape.stl", "series", "pictures", "animation.gif"),
         "report.html",
     }
-    summary = json.loads((out / "summary.json").read_text())
+    summary = json.loads((out / "summary.json").read_text("utf-8"))
     assert summary["status"] == "completed"
     assert summary["stable"] is True
     assert summary["name"] == "my bowl"
@@ -57,14 +57,16 @@ def test_everything_is_written(
     assert set(last.cell_data) >= {"strain", "thermal_strain", "in_pattern"}
     shape = meshio.read(out / "shape.stl")
     assert len(shape.cells_dict["triangle"]) == summary["triangles"]
-    page = (out / "report.html").read_text()
+    page = (out / "report.html").read_text("utf-8")
     assert "http://" not in page.split("References")[0].replace("http://www.w3.org", "")
 
 
 def test_json_and_quiet(design: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["run", str(design), "-o", str(tmp_path / "a"), "--json"]) == 0
     captured = capsys.readouterr()
-    assert json.loads(captured.out) == json.loads((tmp_path / "a" / "summary.json").read_text())
+    assert json.loads(captured.out) == json.loads(
+        (tmp_path / "a" / "summary.json").read_text("utf-8")
+    )
     assert captured.err == ""
     assert main(["run", str(design), "-o", str(tmp_path / "b"), "--quiet"]) == 0
     captured = capsys.readouterr()
@@ -109,7 +111,7 @@ def test_what_is_not_of_a_run_is_never_touched(
         path.write_text("of the user")
     assert main(["run", str(design), "-o", str(tmp_path), "-q", *force]) == 0
     assert main(["run", str(design), "-o", str(tmp_path), "-q", "--force"]) == 0
-    assert (tmp_path / "pictures" / "cat.png").read_text() == "of the user"
+    assert (tmp_path / "pictures" / "cat.png").read_text("utf-8") == "of the user"
     assert design.exists()
 
 

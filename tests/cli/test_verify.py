@@ -27,7 +27,7 @@ if sys.argv[1] == "-v":
     print("This is Version 7.5"); sys.exit()
 job = sys.argv[1]
 nodes, surface, reading = {}, [], ""
-for line in pathlib.Path(job + ".inp").read_text().splitlines():
+for line in pathlib.Path(job + ".inp").read_text("utf-8").splitlines():
     if line.startswith("*"):
         reading = line
     elif reading == "*NODE, NSET=ALL":
@@ -79,7 +79,7 @@ def test_a_twin_is_computed_and_compared(here: Path, capsys: pytest.CaptureFixtu
     assert "CalculiX 7.5 (natural law), followed to the end" in said
     assert "comparison in twin-twin/" in said
     folder = here / "twin-twin"
-    data = json.loads((folder / "comparison.json").read_text())
+    data = json.loads((folder / "comparison.json").read_text("utf-8"))
     assert data["twin"]["twin"]["ended"] == "completed"
     assert data["twin"]["node_rms_mm"] > 0.1
     assert 0.0 < data["ssim"] < 1.0
@@ -136,7 +136,7 @@ def test_the_deck_alone_needs_no_solver(here: Path, capsys: pytest.CaptureFixtur
     command = ["verify", "twin.toml", "--fe", "calculix", "--deck-only", "--steps", "3"]
     assert main(command) == 0
     assert "5 steps; run it with: ccx twin" in capsys.readouterr().out
-    assert (here / "twin-twin" / "calculix" / "twin.inp").read_text().count("*STEP") == 5
+    assert (here / "twin-twin" / "calculix" / "twin.inp").read_text("utf-8").count("*STEP") == 5
     assert main(command) == 2
     assert "add --force" in capsys.readouterr().err
 
@@ -144,7 +144,9 @@ def test_the_deck_alone_needs_no_solver(here: Path, capsys: pytest.CaptureFixtur
 def test_the_abaqus_deck_is_written(here: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["verify", "twin.toml", "--fe", "abaqus", "-o", "deck"]) == 0
     assert "keywords and references checked" in capsys.readouterr().out
-    assert "*HYPERELASTIC, MOONEY-RIVLIN" in (here / "deck" / "abaqus" / "twin.inp").read_text()
+    assert "*HYPERELASTIC, MOONEY-RIVLIN" in (here / "deck" / "abaqus" / "twin.inp").read_text(
+        "utf-8"
+    )
 
 
 @pytest.mark.parametrize(

@@ -236,7 +236,7 @@ def test_mesh_made_from_its_size_has_no_path(design):
 @pytest.mark.parametrize("key", ["file", "reference_file"])
 def test_paths_that_lead_out_are_refused(filed, monkeypatch, key, name):
     monkeypatch.setenv("SHEETMORPH_REFERENCE_DATA", str(filed.parent))
-    filed.write_text(filed.read_text().replace('file = "two.txt"', f"{key} = '{name}'"))
+    filed.write_text(filed.read_text("utf-8").replace('file = "two.txt"', f"{key} = '{name}'"))
     with pytest.raises(
         InputError, match=rf"strip\.toml: mesh\.{key}: (leads out|there is no such)"
     ):
@@ -268,7 +268,7 @@ def test_text_has_no_folder(base):
 
 
 def test_reference_folder_by_variable_then_by_place(filed, tmp_path, monkeypatch):
-    text = filed.read_text().replace('file = "two.txt"', 'reference_file = "two.txt"')
+    text = filed.read_text("utf-8").replace('file = "two.txt"', 'reference_file = "two.txt"')
     project = tmp_path / "project"
     (project / "examples").mkdir(parents=True)
     (project / "examples" / "a.toml").write_text(text)

@@ -22,7 +22,7 @@ def released(reference, examples):
 
     def read(name):
         rows: dict[str, list[list[float]]] = {}
-        for line in (reference / f"{name}_mesh.txt").read_text().splitlines():
+        for line in (reference / f"{name}_mesh.txt").read_text("utf-8").splitlines():
             if line.startswith("*"):
                 current = rows.setdefault(line.strip(), [])
             elif line.strip():

@@ -171,7 +171,7 @@ def by_temperature(base: str, folder: Path, heat: str, text: str) -> Design:
 
 
 def test_a_design_names_raw_rows(base, tmp_path):
-    text = SYNTHETIC.read_text()
+    text = SYNTHETIC.read_text("utf-8")
     fit = fit_shrinkage(read_shrinkage(SYNTHETIC))
     design = by_temperature(base, tmp_path, "149 degC", text)
     assert design.eps_pre == fit.curve.eps_pre(149 + 273.15)
@@ -189,7 +189,7 @@ def test_a_design_names_raw_rows(base, tmp_path):
 
 def test_beyond_the_rows_is_an_error(base, tmp_path):
     """Below the lowest temperature nothing is assumed, not even that the length stays."""
-    design = by_temperature(base, tmp_path, "20 degC", SYNTHETIC.read_text())
+    design = by_temperature(base, tmp_path, "20 degC", SYNTHETIC.read_text("utf-8"))
     with pytest.raises(InputError, match="does not reach 20 degC; allowed: 25 degC to 175 degC"):
         _ = design.eps_pre
 

@@ -177,7 +177,7 @@ def test_leaf():
     whole = sum(n * w + math.pi * w * w / 4 for n, w in zip(lengths, widths, strict=True))
     assert 0.94 * whole < veins.area < whole
     # The render's green and the area agree.
-    text = LEAF.read_text()
+    text = LEAF.read_text("utf-8")
     text = text.replace("stroke:#3f7d2c", "stroke:none").replace("#2d6a1f", "#000000")
     png = resvg_py.svg_to_bytes(svg_string=text, background="white", width=1200, dpi=96)
     image = imread(io.BytesIO(bytes(png)))[:, :, :3]

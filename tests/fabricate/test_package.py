@@ -157,8 +157,8 @@ def test_a_list_that_is_not_ours_is_refused(bare, tmp_path, manifest: str) -> No
     (folder / MANIFEST).write_text(manifest)
     with pytest.raises(InputError, match="choose another folder"):
         fabricate_design(bare, folder, options=QUICK, force=True)
-    assert victim.read_text() == "keep"
-    assert (folder / MANIFEST).read_text() == manifest
+    assert victim.read_text("utf-8") == "keep"
+    assert (folder / MANIFEST).read_text("utf-8") == manifest
 
 
 def test_links_are_not_followed(bare, tmp_path) -> None:

@@ -61,7 +61,7 @@ def test_released_meshes(reference, name, counts):
     path = reference / f"{name}_mesh.txt"
     mesh = read_mesh(path)
     assert mesh.counts == counts
-    lines = path.read_text().splitlines()
+    lines = path.read_text("utf-8").splitlines()
     first = lines.index("*Edges") + 1
     listed = [[int(word) for word in line.split(",")[1:]] for line in lines[first : first + 50]]
     assert mesh.edges[:50].tolist() == listed

@@ -68,7 +68,7 @@ def test_vtk_reads_the_series(tmp_path, states):
 def test_states_of_equal_actuation_are_counted(tmp_path, states):
     mesh, x = states
     index = write_vtu_series(tmp_path, "a", mesh.triangles, x[:3], [0.0, 0.3, 0.3])
-    assert [line.split('"')[1] for line in index.read_text().splitlines()[2:5]] == [
+    assert [line.split('"')[1] for line in index.read_text("utf-8").splitlines()[2:5]] == [
         "0.0", "1.0", "2.0",
     ]  # fmt: skip
 

@@ -90,7 +90,7 @@ def test_what_the_printed_numbers_imply():
 
 
 def test_heavy_elastica_of_the_reference(reference):
-    table = json.loads((reference / "shell_benchmarks.json").read_text())["heavy_elastica"]
+    table = json.loads((reference / "shell_benchmarks.json").read_text("utf-8"))["heavy_elastica"]
     for number, drop, _reach in table["rows"]:
         if drop < 0.9:
             # The table has six decimals: its first row is known to 4e-5 only.
@@ -101,7 +101,9 @@ def test_heavy_elastica_of_the_reference(reference):
 
 def test_end_shear_of_the_reference(reference):
     """Sze's cantilever shears a little (h/L = 0.01), and is printed to four digits."""
-    case = json.loads((reference / "shell_benchmarks.json").read_text())["sze_cantilever_endshear"]
+    case = json.loads((reference / "shell_benchmarks.json").read_text("utf-8"))[
+        "sze_cantilever_endshear"
+    ]
     stiffness = case["E"] * case["b"] * case["h"] ** 3 / 12
     drop = np.array(case["W"]) / case["L"]
     number = np.array(case["P"]) * case["Pmax"] * case["L"] ** 2 / stiffness

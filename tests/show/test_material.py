@@ -79,11 +79,11 @@ def test_the_files_of_a_curve(tmp_path):
     fit = fit_shrinkage(read_shrinkage(ROWS))
     paths = write_shrink_files(fit, tmp_path / "film")
     assert tuple(path.name for path in paths) == SHRINK_FILES
-    told = json.loads(paths[0].read_text())
+    told = json.loads(paths[0].read_text("utf-8"))
     assert told == json.loads(json.dumps(shrink_numbers(fit)))
     assert told["plateau"] == pytest.approx(1.152 * 366.5, rel=1e-3)
     assert told["plateau_eps_pre"] == pytest.approx(-0.6, abs=0.002)
-    curve = parse_curve(paths[1].read_text(), "curve")
+    curve = parse_curve(paths[1].read_text("utf-8"), "curve")
     assert np.array_equal(curve.length_ratios, fit.fitted)
     check(paths[2])
 
@@ -92,10 +92,10 @@ def test_the_files_of_a_cantilever_test(tmp_path):
     rows = parse_cantilever(HEAD + "=1+1, 50, 20, 1, 1, 2\nb, 50, 20, 1, 1, 3\n")
     result = evaluate_cantilever(rows)
     paths = write_cantilever_files(result, tmp_path)
-    told = json.loads(paths[0].read_text())
+    told = json.loads(paths[0].read_text("utf-8"))
     assert told == json.loads(json.dumps(cantilever_numbers(result)))
     assert told["nominal_stiffness"]["mean"] == pytest.approx((1 / 2e-3 + 1 / 3e-3) / 2)
-    lines = paths[1].read_text().splitlines()
+    lines = paths[1].read_text("utf-8").splitlines()
     assert len(lines) == 3
     assert lines[1].startswith("'=1+1,")
     assert float(lines[2].split(",")[1]) == pytest.approx(result.young_modulus[1], rel=1e-8)

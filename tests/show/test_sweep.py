@@ -95,7 +95,7 @@ def test_the_contact_sheet_has_a_shape_for_each(
 
 
 def test_the_page_is_whole_and_has_a_line_for_each(sweep: Sweep, tmp_path: Path) -> None:
-    page = write_parallel(sweep, (), tmp_path / "p.html").read_text()
+    page = write_parallel(sweep, (), tmp_path / "p.html").read_text("utf-8")
     assert usual_columns(sweep) == [
         "actuation.eps_pre", "layers.print.thickness", "energy_J.total", "height_m",
         "aspect_ratio",

@@ -70,7 +70,9 @@ def test_save_and_load(small_result: sm.Result, tmp_path: Path) -> None:
         np.testing.assert_array_equal(again.strain, small_result.strain)
         assert again.summary == small_result.summary
         assert again.design.hash == small_result.design.hash
-    assert json.loads((tmp_path / "run" / "summary.json").read_text()) == small_result.summary
+    assert (
+        json.loads((tmp_path / "run" / "summary.json").read_text("utf-8")) == small_result.summary
+    )
     with h5py.File(tmp_path / "run" / "result.h5") as file:
         assert file["fields/dihedral"].attrs["unit"] == "rad"
         assert set(file["fields"]) >= {"dihedral", "strain", "thermal_strain", "height"}

@@ -84,7 +84,7 @@ def test_modes_on_the_command_line(tmp_path: Path, capsys: pytest.CaptureFixture
     file.write_text(SMALL + quiet)
     assert main(["run", str(file), "-o", str(tmp_path / "out"), "--modes", "2"]) == 0
     assert "first bifurcation without load: none found" in capsys.readouterr().out
-    summary = json.loads((tmp_path / "out" / "summary.json").read_text())
+    summary = json.loads((tmp_path / "out" / "summary.json").read_text("utf-8"))
     values = summary["stability"]["eigenvalues_N_per_m3"]
     result = sm.Result.load(tmp_path / "out")
     assert values == pytest.approx(modes_of(result, count=2)[0].eigenvalues, rel=1e-9)

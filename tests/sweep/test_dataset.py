@@ -55,7 +55,7 @@ def test_the_table_has_types_units_and_an_order(folder: Path) -> None:
     assert "aspect_ratio" not in units
     about = read_about(folder / "results.parquet")
     assert (about["complete"], about["designs"], about["version"]) == (True, 4, sm.__version__)
-    assert about["sweep"] == (folder / "stars.toml").read_text()
+    assert about["sweep"] == (folder / "stars.toml").read_text("utf-8")
 
 
 def test_a_sweep_is_a_data_set_with_a_length_and_entries(folder: Path) -> None:

@@ -250,7 +250,7 @@ def test_a_folder_with_something_in_it(tmp_path: Path) -> None:
     for force in (False, True):
         with pytest.raises(sm.InputError, match="no sweep wrote it"):
             run_sweep(plan, place, force=force)
-    assert (place / "results.parquet").read_text() == "mine"
+    assert (place / "results.parquet").read_text("utf-8") == "mine"
     with pytest.raises(sm.InputError, match="no unfinished sweep"):
         run_sweep(plan, tmp_path / "new", resume=True)
     with pytest.raises(sm.InputError, match="is a file"):

@@ -44,7 +44,7 @@ def test_another_reader_finds_both_shells(tmp_path: Path) -> None:
 
     sheet = Sheet.of(sm.Design.from_toml(BILAYER))
     path = tmp_path / "twin.inp"
-    path.write_text("".join(abaqus_deck(sheet)))
+    path.write_text("".join(abaqus_deck(sheet)), "utf-8")
     found = meshio.read(path, file_format="abaqus")
     ribs = sheet.triangle_cell == 1
     film, rib = found.cells

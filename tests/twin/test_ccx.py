@@ -91,7 +91,7 @@ def test_a_run_is_stopped_in_time_with_all_that_it_started(tmp_path: Path) -> No
     assert time.monotonic() - began < 20.0
     assert ran.ending == "time_limit"
     assert ran.times[-1] == 2.0
-    child = int((tmp_path / "child").read_text())
+    child = int((tmp_path / "child").read_text("utf-8"))
     for _ in range(100):
         if not _alive(child):
             break
@@ -102,7 +102,10 @@ def test_a_run_is_stopped_in_time_with_all_that_it_started(tmp_path: Path) -> No
 def _alive(process: int) -> bool:
     """False also for one that has ended and whose parent has not looked."""
     try:
-        return Path(f"/proc/{process}/stat").read_text().rsplit(")", 1)[1].split()[0] != "Z"
+        return (
+            Path(f"/proc/{process}/stat").read_text(encoding="utf-8").rsplit(")", 1)[1].split()[0]
+            != "Z"
+        )
     except OSError:
         return False
 
@@ -136,4 +139,4 @@ def test_a_run_that_is_interrupted_leaves_nothing_running(tmp_path: Path) -> Non
 
     with pytest.raises(KeyboardInterrupt):
         ccx.run(program, tmp_path, "twin", time_limit=60.0, on_time=interrupt)
-    assert not _alive(int((tmp_path / "own").read_text()))
+    assert not _alive(int((tmp_path / "own").read_text("utf-8")))

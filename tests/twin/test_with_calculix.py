@@ -101,13 +101,13 @@ def stress_under(
         for axis, value in enumerate(move)
     )
     path = folder / f"{JOB}.inp"
-    text = re.sub(r"\*CLOAD\n(\d.*\n)*", "", path.read_text())
+    text = re.sub(r"\*CLOAD\n(\d.*\n)*", "", path.read_text("utf-8"))
     model, _, actuated, *_ = text.split("*STEP")
     actuated = actuated.replace("*NODE FILE", boundary + "*NODE FILE")
     actuated = actuated.replace("*END STEP", "*EL PRINT, ELSET=G1\nS\n*END STEP")
-    path.write_text(model + "*STEP" + actuated)
+    path.write_text(model + "*STEP" + actuated, "utf-8")
     subprocess.run(["ccx", JOB], cwd=folder, check=True, capture_output=True, timeout=100)
-    rows = [line.split() for line in (folder / f"{JOB}.dat").read_text().splitlines()]
+    rows = [line.split() for line in (folder / f"{JOB}.dat").read_text("utf-8").splitlines()]
     values_there = [row[2:] for row in rows if len(row) == 8 and row[0].isdigit()]
     assert values_there
     return np.array(values_there, dtype=float)
