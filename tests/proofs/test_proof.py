@@ -105,3 +105,12 @@ def test_a_folder_of_others_is_left_alone(tmp_path: Path) -> None:
     (tmp_path / "p" / "proofs.md").write_text("mine", encoding="utf-8")
     assert run(tmp_path, "--force") == 2
     assert (tmp_path / "p" / "proofs.md").read_text("utf-8") == "mine"
+
+
+def test_a_picture_of_others_is_left_alone(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(cantilever, "prove", lambda reference: made_up(1.0))
+    (tmp_path / "p").mkdir()
+    (tmp_path / "p" / "made_up.png").write_text("mine", encoding="utf-8")
+    assert run(tmp_path, "--force") == 2
+    assert (tmp_path / "p" / "made_up.png").read_text("utf-8") == "mine"
+    assert not (tmp_path / "p" / "proofs.md").exists()

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import Literal
 
@@ -111,10 +111,6 @@ class Proof:
     def passed(self) -> bool:
         """True when every check is within its limit."""
         return all(check.passed for check in self.checks)
-
-
-Prover = Callable[[], Proof]
-"""Computes a proof."""
 
 
 def convergence_order(sizes: Sequence[float] | Floats, errors: Sequence[float] | Floats) -> float:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -11,6 +11,7 @@ import numpy as np
 from sheetmorph.branches.result import Branch, Branches, write_json, write_states
 from sheetmorph.show import guard, scene, stills, style
 from sheetmorph.show.flat import actuation_text
+from sheetmorph.show.guard import Written
 from sheetmorph.show.pictures import borrowed
 from sheetmorph.show.render import RenderWorker
 from sheetmorph.show.scene import Image, Job, View
@@ -23,14 +24,6 @@ OUTPUTS = (DATA, STATES, PICTURE)
 
 MOST, COLUMNS = 12, 4
 _CELL, _HEAD, _FOOT, _LABEL, _MARGIN = (320, 250), 104, 52, 76, 24
-
-
-@dataclass(frozen=True)
-class Written:
-    """What was written: the files in the order of `OUTPUTS`, and notes for the user."""
-
-    files: tuple[Path, ...]
-    notes: tuple[str, ...]
 
 
 def check_folder(folder: str | Path, force: bool, inputs: Sequence[Path] = ()) -> None:

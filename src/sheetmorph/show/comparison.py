@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from sheetmorph.core.files import write_text
 from sheetmorph.show import guard
+from sheetmorph.show.guard import Written
 from sheetmorph.show.pictures import borrowed
 from sheetmorph.show.render import RenderWorker
 
@@ -23,19 +23,6 @@ ALIGNED = "aligned_scan.stl"
 PICTURES = ("overlay.png", "distance.png", "ssim.png", "histogram.png")
 OUTPUTS = (DATA, PAGE, ALIGNED, *(f"pictures/{name}" for name in PICTURES))
 """What a comparison writes into its folder, and what the next one there replaces."""
-
-
-@dataclass(frozen=True)
-class Written:
-    """What was written.
-
-    Attributes:
-        files: the files, in the order of `OUTPUTS`.
-        notes: lines for the user, such as what to install for better pictures.
-    """
-
-    files: tuple[Path, ...]
-    notes: tuple[str, ...]
 
 
 def check_folder(folder: str | Path, force: bool, inputs: Iterable[Path] = ()) -> None:

@@ -4,9 +4,23 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable, Iterable
+from dataclasses import dataclass
 from pathlib import Path
 
 from sheetmorph.core.errors import InputError, OutputError
+
+
+@dataclass(frozen=True)
+class Written:
+    """What a command wrote.
+
+    Attributes:
+        files: in the order of the command's outputs.
+        notes: lines for the user, such as what to install for better pictures.
+    """
+
+    files: tuple[Path, ...]
+    notes: tuple[str, ...]
 
 
 def check_folder(

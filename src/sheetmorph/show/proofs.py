@@ -7,10 +7,10 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from sheetmorph import __version__
-from sheetmorph.core.errors import InputError
 from sheetmorph.core.files import write_text
 from sheetmorph.proofs.proof import Check, Curve, Plot, Proof
 from sheetmorph.proofs.prove import Outcome
+from sheetmorph.show import guard
 from sheetmorph.show.style import style
 
 PAGE, NUMBERS = "proofs.md", "proofs.json"
@@ -23,29 +23,25 @@ def check_proofs_folder(folder: str | Path, force: bool = False) -> None:
     """Refuse a folder into which the page cannot be written, before anything is computed.
 
     Raises:
-        InputError: it is a file, or holds a page and `force` is not set, or one that this
-            command did not write.
+        InputError, OutputError: see `guard.check_folder`.
     """
     place = Path(folder)
-    if place.exists() and not place.is_dir():
-        raise InputError("this is a file; choose another folder with -o", file=place)
-    present = [place / name for name in (PAGE, NUMBERS) if (place / name).exists()]
-    if not present:
-        return
+    guard.check_folder(
+        place,
+        (PAGE, NUMBERS),
+        "page of proofs",
+        ours=lambda _file: _pictures_of(place) is not None,
+        force=force,
+    )
+
+
+def _pictures_of(place: Path) -> set[str] | None:
+    """Names of the pictures that an earlier page in a folder has; None if there is none."""
     try:
-        ours = json.loads((place / NUMBERS).read_text("utf-8"))["format"] == FORMAT
+        numbers = json.loads((place / NUMBERS).read_text("utf-8"))
+        return set(numbers["pictures"]) if numbers["format"] == FORMAT else None
     except (OSError, ValueError, KeyError, TypeError):
-        ours = False
-    if not ours:
-        raise InputError(
-            "this file was not written by this command; choose another folder with -o",
-            file=present[0],
-        )
-    if not force:
-        raise InputError(
-            "this folder holds proofs; add --force to replace them, or choose another with -o",
-            file=place,
-        )
+        return None
 
 
 def write_proofs(outcomes: Sequence[Outcome], folder: str | Path) -> Path:
@@ -55,14 +51,23 @@ def write_proofs(outcomes: Sequence[Outcome], folder: str | Path) -> Path:
         The path of the page.
 
     Raises:
+        InputError: a picture would replace one that this command did not draw.
         OutputError: a file cannot be written.
     """
     place = Path(folder)
+    plots = [plot for outcome in outcomes if outcome.proof for plot in outcome.proof.plots]
+    known = _pictures_of(place) or set()
+    pictures = [f"{plot.name}.png" for plot in plots]
+    guard.check_folder(
+        place, pictures, "page of proofs", ours=lambda file: file.name in known, force=True
+    )
     place.mkdir(parents=True, exist_ok=True)
-    for outcome in outcomes:
-        for plot in outcome.proof.plots if outcome.proof else ():
-            draw_plot(plot, place / f"{plot.name}.png")
-    write_text(place / NUMBERS, json.dumps(_numbers(outcomes), indent=1, ensure_ascii=False) + "\n")
+    for plot, name in zip(plots, pictures, strict=True):
+        draw_plot(plot, place / name)
+    write_text(
+        place / NUMBERS,
+        json.dumps(_numbers(outcomes, pictures), indent=1, ensure_ascii=False) + "\n",
+    )
     write_text(place / PAGE, _page(outcomes))
     return place / PAGE
 
@@ -188,10 +193,11 @@ def _draw(axes: object, curve: Curve, index: int) -> None:
     axes.plot(curve.x, curve.y, label=curve.label, **looks[curve.style])  # type: ignore[attr-defined]
 
 
-def _numbers(outcomes: Sequence[Outcome]) -> dict[str, object]:
+def _numbers(outcomes: Sequence[Outcome], pictures: Sequence[str]) -> dict[str, object]:
     return {
         "format": FORMAT,
         "version": __version__,
+        "pictures": list(pictures),
         "proofs": [
             {
                 "name": outcome.name,
