@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -168,7 +167,6 @@ def test_stops_are_states(cross: sm.Result) -> None:
     np.testing.assert_allclose(result.positions[-1], cross.positions[-1], atol=1e-9)
 
 
-def test_a_design_is_not_changed_by_running_it(cross: sm.Result) -> None:
+def test_running_a_design_again_gives_the_same_bits(cross: sm.Result) -> None:
     again = simulate(cross.design)
     np.testing.assert_array_equal(again.positions, cross.positions)
-    assert replace(cross.design).hash == cross.design.hash

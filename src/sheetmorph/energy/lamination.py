@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -135,7 +134,6 @@ class Lamination:
         """The integrals over the thickness at the triangles `here`, which have this layup."""
         eigen = ramp * self.eigenstrains[here]
         bent = self.measures.reference_curvatures[here]
-        moduli: list[Floats] = []
         stretches = [_stretch(factor * eigen) for factor in layup.eigenstrain_factors]
         heights = layup.thicknesses[:, None] / np.array(
             [_determinant(f) if self.thickening else np.ones(len(here)) for f in stretches]
@@ -149,7 +147,6 @@ class Lamination:
         resultants, constant = np.zeros((len(here), 6)), np.zeros(len(here))
         for k, stretch in enumerate(stretches):
             modulus = _moduli(stretch, layup.young_moduli[k], layup.poisson_ratios[k])
-            moduli.append(modulus)
             top, bottom = tops[k], tops[k] - heights[k]
             weight = _determinant(stretch)
             i0 = weight * (top - bottom)
@@ -183,19 +180,6 @@ class Section:
     stiffness: Floats
     resultants: Floats
     constant: Floats
-
-
-def neutral_curvature(lamination: Lamination, cell: int, ramp: float) -> Floats:
-    """Natural second form b of the triangles of a cell, (b11, b22, 2 b12) [1/m], shape (n, 3)."""
-    here = np.flatnonzero(lamination.cells == cell)
-    section = lamination.section(here, lamination.layups[cell], ramp)
-    rest = np.linalg.solve(section.stiffness, section.resultants[:, :, None])[:, :, 0]
-    return np.asarray(-rest[:, 3:])
-
-
-def uniform(values: Sequence[float], count: int) -> Floats:
-    """The same eigenstrain (e11, e22, e12) for all triangles, shape (count, 3)."""
-    return np.tile(np.asarray(values, dtype=np.float64), (count, 1))
 
 
 def _stretch(eigen: Floats) -> Floats:
