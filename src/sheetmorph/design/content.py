@@ -19,7 +19,7 @@ _NOT_HASHED: dict[str, Any] = {
     "solver": {"max_steps": True, "time_limit": True},
 }
 _LATER: dict[str, tuple[str, ...]] = {
-    "": ("laminate", "loads"),
+    "": ("laminate", "loads", "gravity", "contact"),
     "layers": ("eigenstrain_factor",),
     "actuation": ("under_pattern", "transverse", "direction", "centre", "radial_profile"),
     "supports": ("hold", "z", "clamp"),

@@ -21,6 +21,7 @@ _EXCLUSIVE: tuple[tuple[str, ...], ...] = (
     ("actuation.eps_pre", "actuation.temperature"),
     ("mesh.size", "mesh.file", "mesh.reference_file"),
     ("perturbation.force_per_node", "perturbation.total_force"),
+    ("gravity.orientation", "gravity.direction"),
 )
 _TABLES = {"published": "laminate", "laminate": "published"}
 _DEEP_KEY = re.compile(rf"(?<![\w\"'-])(?:[\w\"'-]++[ \t]*+\.[ \t]*+){{{_MAX_DEPTH}}}")

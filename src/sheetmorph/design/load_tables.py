@@ -6,8 +6,9 @@ from typing import Annotated, Literal, Self
 
 from pydantic import Field, model_validator
 
-from sheetmorph.design.fields import Coordinate, Interval, Number, Quantity, Section, Whole, problem
+from sheetmorph.design.fields import Coordinate, Interval, Quantity, Section, Whole, problem
 from sheetmorph.design.support_tables import AXES, check_box
+from sheetmorph.design.surroundings import STANDARD, Acceleration, Direction, some_direction
 
 _THREE = Field(min_length=3, max_length=3)
 _NODE = Annotated[Whole, Field(ge=0, le=2_000_000)]
@@ -87,18 +88,12 @@ class WeightLoad(Section):
     """
 
     kind: Literal["weight"]
-    gravity: Annotated[float, Quantity("acceleration", "0 m/s^2", "10000 m/s^2")] = 9.80665
-    direction: Annotated[tuple[Number, ...], _THREE] = (0.0, 0.0, -1.0)
+    gravity: Acceleration = STANDARD
+    direction: Direction = (0.0, 0.0, -1.0)
 
     @model_validator(mode="after")
     def _some_direction(self) -> Self:
-        if not 1e-6 < max(abs(part) for part in self.direction) < 1e6:
-            raise problem(
-                "is no direction",
-                key="direction",
-                value=list(self.direction),
-                allowed="three numbers, such as [0, 0, -1]",
-            )
+        some_direction(self.direction)
         return self
 
 

@@ -48,13 +48,32 @@ def _add(forces: Floats, load: Load, mesh: SheetMesh, region: Regions, key: str)
     elif isinstance(load, AreaLoad):
         forces += mesh.node_areas[:, None] * np.array(load.force_per_area)
     else:
-        areal = np.array([cell.stack.areal_mass for cell in region.cells])
-        masses = mesh.triangle_areas * areal[region.triangle_cell]
-        shares = np.bincount(
-            mesh.triangles.ravel(), np.repeat(masses / 3.0, 3), minlength=len(forces)
-        )
-        direction = np.array(load.direction) / np.linalg.norm(load.direction)
-        forces += load.gravity * shares[:, None] * direction
+        forces += _weights(mesh, region, load.gravity, load.direction)
+
+
+def gravity_forces(design: Design, mesh: SheetMesh, region: Regions) -> Floats:
+    """Weights of the nodes by the table `gravity` [N], shape (V, 3); zero without it.
+
+    A third of the mass of each triangle, density times thickness times area of its layers
+    before actuation, goes to each of its corners. Actuation moves mass but makes none, so the
+    weights stay what they are.
+    """
+    gravity = design.gravity
+    if gravity is None:
+        return np.zeros((len(mesh.nodes), 3))
+    return _weights(mesh, region, gravity.magnitude, gravity.down)
+
+
+def _weights(
+    mesh: SheetMesh, region: Regions, gravity: float, direction: tuple[float, ...]
+) -> Floats:
+    areal = np.array([cell.stack.areal_mass for cell in region.cells])
+    masses = mesh.triangle_areas * areal[region.triangle_cell]
+    shares = np.bincount(
+        mesh.triangles.ravel(), np.repeat(masses / 3.0, 3), minlength=len(mesh.nodes)
+    )
+    unit = np.array(direction) / np.linalg.norm(direction)
+    return np.asarray(gravity * shares[:, None] * unit)
 
 
 def _node(load: PointLoad, mesh: SheetMesh, key: str) -> int:

@@ -90,11 +90,12 @@ def check_layers(design: DesignSchema) -> None:
 
 def _check_active(design: DesignSchema) -> None:
     """Something must move the sheet: active layers and an actuation, or loads."""
-    if not design.loads and "actuation" not in design.model_fields_set:
-        raise problem("is required, unless the design has loads", key="actuation")
+    loaded = bool(design.loads) or design.gravity is not None
+    if not loaded and "actuation" not in design.model_fields_set:
+        raise problem("is required, unless the design has loads or gravity", key="actuation")
     if any(layer.role == "active" for layer in design.layers):
         return
-    if not design.loads:
+    if not loaded:
         raise problem("no layer is active, so nothing moves", key="layers", allowed="role = active")
     if design.actuation != actuation_table.NO_ACTUATION:
         raise problem(

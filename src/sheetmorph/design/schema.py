@@ -14,6 +14,7 @@ from sheetmorph.design.layout import Layout, lay_out
 from sheetmorph.design.load_tables import Load
 from sheetmorph.design.outlines import Outline, PatternShape
 from sheetmorph.design.rules import check_layers, check_model, check_supports
+from sheetmorph.design.rules_of_surroundings import check_surroundings
 from sheetmorph.design.sections import (
     LaminateOptions,
     Layer,
@@ -24,6 +25,7 @@ from sheetmorph.design.sections import (
     SolverOptions,
 )
 from sheetmorph.design.support_tables import Support
+from sheetmorph.design.surroundings import NO_CONTACT, Contact, Gravity
 
 MAX_LAYERS = 20
 MAX_SHAPES = 500
@@ -43,6 +45,8 @@ class DesignSchema(Section):
     actuation: Actuation = NO_ACTUATION
     supports: Annotated[tuple[Support, ...], Field(max_length=100)] = ()
     loads: Annotated[tuple[Load, ...], Field(max_length=100)] = ()
+    gravity: Gravity | None = None
+    contact: Contact = NO_CONTACT
     perturbation: Perturbation = Perturbation()
     mesh: MeshSource
     published: PublishedOptions = PublishedOptions()
@@ -55,6 +59,7 @@ class DesignSchema(Section):
         check_model(self)
         check_layers(self)
         check_supports(self)
+        check_surroundings(self)
         _check_size(self)
         return self
 

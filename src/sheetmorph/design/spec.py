@@ -21,7 +21,7 @@ from sheetmorph.design.messages import to_input_error
 if TYPE_CHECKING:
     from shapely import MultiPolygon, Polygon
 
-    from sheetmorph.design import load_tables, outlines, sections, support_tables
+    from sheetmorph.design import load_tables, outlines, sections, support_tables, surroundings
     from sheetmorph.design.actuation_table import Actuation
     from sheetmorph.design.layout import InertPart, Layout
     from sheetmorph.design.shrinkage import ShrinkCurve
@@ -163,6 +163,16 @@ class Design:
     def loads(self) -> tuple[load_tables.Load, ...]:
         """The tables `loads`."""
         return self.spec.loads
+
+    @property
+    def gravity(self) -> surroundings.Gravity | None:
+        """The table `gravity`; None where nothing has a weight."""
+        return self.spec.gravity
+
+    @property
+    def contact(self) -> surroundings.Contact:
+        """The table `contact`."""
+        return self.spec.contact
 
     @property
     def perturbation(self) -> sections.Perturbation:

@@ -71,6 +71,22 @@ class AppliedLoad(NodalLoad):
         return replace(self, factor=ramp)
 
 
+@dataclass(frozen=True, eq=False)
+class Weight(NodalLoad):
+    """The weight of the sheet: it comes on before the actuation, and stays.
+
+    Before the actuation it is there in proportion to the load, so that a path which begins
+    with nothing lays the sheet down first.
+    """
+
+    name = "weight"
+    reference = "dead load: density times thickness times area"
+
+    def at(self, ramp: float, load: float) -> Self:
+        """The whole weight once the actuation has begun, a fraction of it before."""
+        return replace(self, factor=load if ramp == 0.0 else 1.0)
+
+
 @kernel
 def _nodal_load(x, stencil, force, rest, factor, start, stop, energy, gradient):  # type: ignore[no-untyped-def]
     for i in range(start, stop):

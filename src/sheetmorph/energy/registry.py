@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from sheetmorph.energy.hinge import CoupledHinge
 from sheetmorph.energy.laminate import LaminateShell
-from sheetmorph.energy.loads import AppliedLoad, NodalLoad
+from sheetmorph.energy.loads import AppliedLoad, NodalLoad, Weight
 from sheetmorph.energy.stretch import EdgeStretch
+from sheetmorph.energy.table import TableContact
 from sheetmorph.energy.term import Term
 
 TERMS: dict[str, type[Term]] = {
@@ -14,5 +15,7 @@ TERMS: dict[str, type[Term]] = {
     LaminateShell.name: LaminateShell,
     NodalLoad.name: NodalLoad,
     AppliedLoad.name: AppliedLoad,
+    Weight.name: Weight,
+    TableContact.name: TableContact,
 }
 """Name of the term → its class."""

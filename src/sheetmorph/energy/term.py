@@ -23,7 +23,8 @@ class Term(Protocol):
     of freedom they are, counted from the first coordinate of node 0, so that `x.reshape(-1)`
     of `local` holds them. They count as one more node of the stencil, the last, in all local
     quantities. A term whose forces at fixed positions are not linear in the actuation says
-    `linear_in_ramp = False`.
+    `linear_in_ramp = False`. A term that is infinite somewhere has a method
+    `reach(x, step)`: the part of a step, at most 1, that does not lead there.
     """
 
     @property

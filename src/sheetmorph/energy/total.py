@@ -56,6 +56,12 @@ class Total:
         """True when the forces at fixed positions are linear in the actuation and the load."""
         return all(getattr(term, "linear_in_ramp", True) for term in self.terms)
 
+    def reach(self, x: Floats, step: Floats) -> float:
+        """The part of a step, at most 1, that all terms allow; see `Term`."""
+        rows, moves = x.reshape(-1, 3), step.reshape(-1, 3)
+        limits = [term.reach(rows, moves) for term in self.terms if hasattr(term, "reach")]
+        return min(limits, default=1.0)
+
     @property
     def pattern(self) -> SymmetricPattern:
         """Pattern of the Hessian, shape (n, n)."""

@@ -75,6 +75,22 @@ def rigid_motion_pins(nodes: Floats) -> NDArray[np.bool_]:
     return held.ravel()
 
 
+def level_motion_pins(nodes: Floats) -> NDArray[np.bool_]:
+    """The three degrees of freedom that stop what a level table without friction does not.
+
+    Node A near the middle keeps x and y; node B, far from A along x, keeps y.
+
+    Args:
+        nodes: flat reference positions [m], shape (V, 3).
+
+    Returns:
+        True at the pinned degrees of freedom, shape (3 V,).
+    """
+    held = rigid_motion_pins(nodes).reshape(-1, 3)
+    held[:, 2] = False
+    return held.ravel()
+
+
 def align_to_reference(positions: Floats, reference: Floats) -> Floats:
     """Move each state rigidly to lie closest to the reference (least squares, no mirror).
 

@@ -94,8 +94,9 @@ def minimise(system: System, start: Floats, options: NewtonOptions) -> Minimum:
 
     Newton steps with the exact Hessian; where it is not positive definite, its positive
     semidefinite part is mixed in until it is, so that every step descends. Steps are halved
-    until the energy decreases enough (Armijo). While the residual falls fast, the last factor
-    is used again (chord steps), because a back-substitution costs a tenth of a factorisation.
+    until the energy decreases enough (Armijo), beginning with the part that the energy allows
+    (contact). While the residual falls fast, the last factor is used again (chord steps), because
+    a back-substitution costs a tenth of a factorisation.
     Reference: Nocedal and Wright, Numerical Optimization, chapters 3 and 11.
 
     Returns:
@@ -192,7 +193,7 @@ def _line_search(
     """The first of the halved steps that decreases the energy enough, with its gradient."""
     slope = float(point.gradient @ step)
     noise = 1e-13 * abs(point.energy)
-    length = 1.0
+    length = system.reach(point.x, step)
     for _ in range(options.max_halvings):
         x = point.x + length * step
         energy, gradient = system.gradient(x)
@@ -213,7 +214,10 @@ def _chords(system: System, before: Point, point: Point, options: NewtonOptions)
             break
         if not point.residual < options.chord_ratio * before.residual:
             break
-        x = point.x - system.solve(point.gradient)
+        step = -system.solve(point.gradient)
+        if system.reach(point.x, step) < 1.0:
+            break
+        x = point.x + step
         energy, gradient = system.gradient(x)
         trial = Point(x, energy, gradient)
         if not trial.residual < point.residual:

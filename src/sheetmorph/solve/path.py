@@ -86,7 +86,8 @@ class PathOptions:
         min_step: smallest step before the path is given up.
         max_steps: most states.
         time_limit: wall seconds.
-        stops: fractions of the first leg at which there shall be a state, increasing.
+        stops: fractions of a leg at which there shall be a state, increasing.
+        stops_leg: index of that leg.
     """
 
     newton: NewtonOptions
@@ -96,6 +97,7 @@ class PathOptions:
     max_steps: int = 1000
     time_limit: float = float("inf")
     stops: tuple[float, ...] = ()
+    stops_leg: int = 0
 
 
 @dataclass(frozen=True, eq=False)
@@ -225,7 +227,7 @@ def _step(
         load = first.load + s * (second.load - first.load)
         here = system.at(ramp, load)
         before = system.work.iterations, system.work.factorisations
-        guess = _predict(here, known, s)
+        guess = here.toward(last.x, _predict(here, known, s))
         found = minimise(here, guess, options.newton)
         if found.outcome is Outcome.CONVERGED:
             break
@@ -273,7 +275,7 @@ def _step(
 def _landing(last: PathState, size: float, options: PathOptions) -> float:
     """Where a step ends: the next stop or the end of the leg, where that is near or passed."""
     s = last.s + size
-    ends = (*options.stops, 1.0) if last.leg == 0 else (1.0,)
+    ends = (*options.stops, 1.0) if last.leg == options.stops_leg else (1.0,)
     end = next(stop for stop in ends if stop > last.s + 1e-9)
     return end if s > end - 1e-9 or end - s < 0.2 * size else s
 
@@ -318,7 +320,8 @@ def _predict(system: System, known: list[PathState], s: float) -> Floats:
     linear, reach = last.x + along, float(np.abs(along).max())
     if np.abs(bend).max() <= 0.5 * reach and reach <= 3.0 * ds * np.abs(chord).max():
         return linear + bend
-    return min((linear + bend, linear, last.x), key=system.value)
+    guesses = (system.toward(last.x, guess) for guess in (linear + bend, linear))
+    return min((*guesses, last.x), key=system.value)
 
 
 def _tangent(

@@ -21,7 +21,7 @@ def negative_pivots(system: System, x: Floats) -> tuple[int, Floats, Floats]:
     _, gradient, data = system.hessian(x)
     if not system.factorise(data):
         return max(1, system.factorise_indefinite(data) or 0), x, gradient
-    moved = x - system.solve(gradient)
+    moved = system.toward(x, x - system.solve(gradient))
     _, after = system.gradient(moved)
     if np.abs(after).max(initial=0.0) < np.abs(gradient).max(initial=0.0):
         return 0, moved, after
@@ -55,7 +55,7 @@ def escape_saddle(system: System, x: Floats, size: float = 1e-3) -> Floats:
     if direction @ gradient > 0:
         direction = -direction
     reach = size * (float(np.ptp(x)) or 1.0) / float(np.abs(direction).max())
-    options = [x + reach * direction, x - reach * direction]
+    options = [system.toward(x, x + part * direction) for part in (reach, -reach)]
     return min(options, key=system.value)
 
 

@@ -20,7 +20,8 @@ class Energy(Protocol):
     """A function of all degrees of freedom with derivatives, along a loading path.
 
     An energy whose gradient at fixed x is not linear in ramp and load has an attribute
-    `linear_in_ramp` that is False.
+    `linear_in_ramp` that is False. One that is infinite somewhere, as at contact, has a method
+    `reach(x, step)`: the part of a step, at most 1, that does not lead there or past it.
     """
 
     @property
@@ -75,6 +76,16 @@ class System:
     def linear_in_ramp(self) -> bool:
         """True when the forces at fixed positions are linear along the path; see `Energy`."""
         return bool(getattr(self.energy, "linear_in_ramp", True))
+
+    def reach(self, x: Floats, step: Floats) -> float:
+        """The part of a step, at most 1, that the energy allows; see `Energy`."""
+        limit = getattr(self.energy, "reach", None)
+        return 1.0 if limit is None else float(limit(x, step))
+
+    def toward(self, x: Floats, goal: Floats) -> Floats:
+        """The goal, or the last place on the way to it from x that the energy allows."""
+        part = self.reach(x, goal - x)
+        return goal if part >= 1.0 else x + part * (goal - x)
 
     def value(self, x: Floats) -> float:
         """Energy alone."""

@@ -15,10 +15,11 @@ from sheetmorph.design.supports import held_components, perturbation_forces
 from sheetmorph.energy.loads import AppliedLoad, NodalLoad
 from sheetmorph.energy.total import Total
 from sheetmorph.geometry.mesh import Floats, SheetMesh
-from sheetmorph.solve.constraints import rigid_motion_pins
+from sheetmorph.solve.constraints import level_motion_pins, rigid_motion_pins
 from sheetmorph.study.laminate_model import laminate_parts
 from sheetmorph.study.parts import ModelParts
 from sheetmorph.study.published_model import published_parts
+from sheetmorph.study.surroundings import Surroundings, surroundings_of
 
 RESIDUAL_FLOOR = 1e-13
 """Rounding of the residual, as a fraction of the largest force a stretched edge can exert."""
@@ -36,6 +37,7 @@ class Problem:
         thermal_strain: eigenstrain of the edges at full actuation, shape (E,).
         held_nodes: nodes of which the supports hold a coordinate, shape (N,); empty for a free
             sheet.
+        surroundings: weight and contact.
         held_dofs: True at the degrees of freedom that keep their value, shape (n,).
         total: the energy, of the n degrees of freedom: coordinates, then scalar unknowns.
     """
@@ -46,6 +48,7 @@ class Problem:
     model: ModelParts
     thermal_strain: Floats
     held_nodes: NDArray[np.intp]
+    surroundings: Surroundings
     held_dofs: NDArray[np.bool_]
     total: Total
 
@@ -53,6 +56,11 @@ class Problem:
     def start(self) -> Floats:
         """The degrees of freedom of the sheet before actuation, shape (n,)."""
         return np.concatenate([self.mesh.nodes.ravel(), np.zeros(len(self.model.held_scalars))])
+
+    @property
+    def floats(self) -> bool:
+        """True where nothing hinders the six rigid motions of the sheet: no support, no table."""
+        return not len(self.held_nodes) and self.surroundings.table is None
 
     @property
     def residual_tolerance(self) -> float:
@@ -88,7 +96,10 @@ def build_problem(design: Design, mesh: SheetMesh | None = None) -> Problem:
     terms = [*model.terms, NodalLoad(nodes, perturbation_forces(design, mesh), mesh.nodes)]
     if design.loads:
         terms.append(AppliedLoad(nodes, load_forces(design, mesh, region), mesh.nodes))
-    dofs = held.ravel() if held.any() else rigid_motion_pins(mesh.nodes)
+    around = surroundings_of(design, mesh, region, model.force_scale)
+    terms += around.terms
+    pins = rigid_motion_pins if around.table is None else level_motion_pins
+    dofs = held.ravel() if held.any() else pins(mesh.nodes)
     return Problem(
         design=design,
         mesh=mesh,
@@ -96,6 +107,7 @@ def build_problem(design: Design, mesh: SheetMesh | None = None) -> Problem:
         model=model,
         thermal_strain=eigenstrain,
         held_nodes=np.flatnonzero(held.any(axis=1)),
+        surroundings=around,
         held_dofs=np.concatenate([dofs, model.held_scalars]),
         total=Total.of(terms, len(mesh.nodes), len(model.held_scalars)),
     )

@@ -13,6 +13,7 @@ from sheetmorph import __version__
 from sheetmorph.core.events import Event, Listener, Notice, Progress, Started, StateReached, silent
 from sheetmorph.design.spec import Design
 from sheetmorph.geometry import surface
+from sheetmorph.geometry.crossings import crossing_pairs
 from sheetmorph.geometry.mesh import SheetMesh
 from sheetmorph.solve.constraints import HeldDofs, align_to_reference
 from sheetmorph.solve.linear import make_solver
@@ -33,6 +34,9 @@ from sheetmorph.study.result import Result
 
 WAYPOINTS = (Waypoint(0.0, 1.0), Waypoint(1.0, 1.0), Waypoint(1.0, 0.0))
 """Actuate under the perturbation load, then remove the load."""
+
+LAID_DOWN = (Waypoint(0.0, 0.0), *WAYPOINTS)
+"""With gravity: weight and perturbation load come on first."""
 
 
 def simulate(
@@ -65,9 +69,11 @@ def simulate(
     began = perf_counter()
     on_event(Started(design.name))
     problem = build_problem(design, mesh)
-    options = replace(path_options(problem), stops=tuple(stops))
+    legs = WAYPOINTS if design.gravity is None else LAID_DOWN
+    actuation = len(legs) - len(WAYPOINTS)
+    options = replace(path_options(problem), stops=tuple(stops), stops_leg=actuation)
     x0 = problem.start
-    known = [start_of_path(x0, WAYPOINTS, options)]
+    known = [start_of_path(x0, legs, options)]
     if resume and journal is not None:
         known = journal.read(design.hash, x0.size)
     elif journal is not None:
@@ -83,10 +89,10 @@ def simulate(
     system = System(problem.total, HeldDofs.of(problem.total.pattern, problem.held_dofs), linear)
     path = follow(
         system,
-        WAYPOINTS,
+        legs,
         known,
         options,
-        equal_steps={1: design.perturbation.ramp_down_steps},
+        equal_steps={actuation + 1: design.perturbation.ramp_down_steps},
         on_event=aside.tell,
         on_state=aside.keep,
     )
@@ -113,7 +119,10 @@ class _Aside:
         if isinstance(event, StateReached):
             ramp = 100 * event.ramp
             text = f"{ramp:.0f} % actuated" if event.load == 1.0 else "removing the load"
-            self._on_event(Progress(0.95 * event.ramp + 0.05 * (1.0 - event.load), text))
+            if event.ramp == 0.0:
+                self._on_event(Progress(0.0, "laying the sheet down"))
+            else:
+                self._on_event(Progress(0.95 * event.ramp + 0.05 * (1.0 - event.load), text))
         self.seconds += perf_counter() - start
 
     def keep(self, index: int, state: PathState) -> None:
@@ -140,7 +149,7 @@ def path_options(problem: Problem) -> PathOptions:
 
 def _result(problem: Problem, path: Path, system: System, solver: str) -> Result:
     positions = np.array([problem.positions(state.x) for state in path.states])
-    if not len(problem.held_nodes):
+    if problem.floats:
         positions = align_to_reference(positions, problem.mesh.nodes)
     final = path.states[-1]
     energies = problem.total.at(final.ramp, final.load).energies(final.x)
@@ -170,6 +179,8 @@ def _result(problem: Problem, path: Path, system: System, solver: str) -> Result
         "height_m": float(extent[2]),
         "bbox_m": [float(value) for value in extent],
         "aspect_ratio": float(surface.aspect_ratio(positions[-1])),
+        "crossing_pairs": len(crossing_pairs(positions[-1], problem.mesh.triangles)),
+        **problem.surroundings.numbers(problem.positions(final.x)),
         "energy_J": {**energies, "total": sum(energies.values())},
         "version": __version__,
         "design_hash": problem.design.hash,

@@ -99,7 +99,7 @@ def modes_at(problem: Problem, system: System, x: Floats, count: int) -> Modes:
     weights = np.concatenate(
         [np.repeat(problem.mesh.node_areas, 3), np.zeros(len(problem.model.held_scalars))]
     )
-    if len(problem.held_nodes):
+    if not problem.floats:
         return smallest_modes(system, x, count, weights=weights)
     held = problem.held_dofs.copy()
     held[: nodes.size] = False

@@ -1,0 +1,104 @@
+"""What is around the sheet of a design: its weight, the table, and the sheet itself."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from sheetmorph.design.laminate import film_stack
+from sheetmorph.design.loads import gravity_forces
+from sheetmorph.design.regions import Regions
+from sheetmorph.design.spec import Design
+from sheetmorph.design.surroundings import DOWN
+from sheetmorph.energy.loads import Weight
+from sheetmorph.energy.table import TableContact
+from sheetmorph.energy.term import Term
+from sheetmorph.geometry.mesh import Floats, SheetMesh
+
+RANGE = 0.2
+"""Range of contact that a design does not give, in thicknesses of the film."""
+
+START = 0.9
+"""Height of the sheet above the least one at the beginning, in ranges."""
+
+BEARERS = 3
+"""Nodes that bear the whole weight at half the range of the table's barrier."""
+
+
+@dataclass(frozen=True, eq=False)
+class Surroundings:
+    """Weight and table.
+
+    Attributes:
+        weights: of the nodes [N], shape (V, 3); zero without gravity.
+        table: None where there is none.
+        gap: least distance of two middle surfaces [m]; half of it from the table.
+    """
+
+    weights: Floats
+    table: TableContact | None
+    gap: float
+
+    @property
+    def terms(self) -> list[Term]:
+        """The energy terms of what is there."""
+        nodes = np.arange(len(self.weights), dtype=np.int32)[:, None]
+        found: list[Term] = []
+        if self.weights.any():
+            found.append(Weight(nodes, self.weights, np.zeros_like(self.weights)))
+        if self.table is not None:
+            found.append(self.table)
+        return found
+
+    def numbers(self, positions: Floats) -> dict[str, Any]:
+        """Numbers of a state for its summary; none where nothing is around the sheet.
+
+        Args:
+            positions: of the nodes [m], shape (V, 3).
+        """
+        found: dict[str, Any] = {}
+        if self.weights.any():
+            found["weight_N"] = float(np.linalg.norm(self.weights.sum(axis=0)))
+        if self.table is not None:
+            forces = self.table.forces(positions)
+            found["table"] = {
+                "reaction_N": float(forces.sum()),
+                "nodes_in_contact": int((forces > 0.0).sum()),
+                "lowest_m": float(self.table.heights(positions).min() + 0.5 * self.gap),
+                "gap_m": 0.5 * self.gap,
+                "range_m": self.table.range,
+            }
+        return found
+
+
+def surroundings_of(
+    design: Design, mesh: SheetMesh, region: Regions, force_scale: float
+) -> Surroundings:
+    """What is around the sheet.
+
+    Args:
+        design: the design.
+        mesh: its mesh.
+        region: what lies in its pattern.
+        force_scale: of the model [N], see `ModelParts`; measure of contact without weight.
+    """
+    weights = gravity_forces(design, mesh, region)
+    contact, thickness = design.contact, film_stack(design).thickness
+    gap = thickness if contact.gap is None else contact.gap
+    reach = RANGE * thickness if contact.range is None else contact.range
+    table = None
+    if contact.table:
+        down = DOWN["as_drawn"] if design.gravity is None else design.gravity.down
+        up = -np.array(down) / np.linalg.norm(down)
+        lowest = float((mesh.nodes @ up).min())
+        weight = float(np.linalg.norm(weights.sum(axis=0)))
+        table = TableContact.of(
+            len(mesh.nodes),
+            up,
+            lowest - contact.table_distance - START * reach,
+            reach,
+            weight / BEARERS if weight > 0.0 else force_scale,
+        )
+    return Surroundings(weights, table, gap)
