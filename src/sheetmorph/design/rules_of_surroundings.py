@@ -5,7 +5,6 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from sheetmorph.design.fields import problem
-from sheetmorph.design.load_tables import WeightLoad
 from sheetmorph.design.support_tables import FreeSupport
 
 if TYPE_CHECKING:
@@ -34,17 +33,12 @@ def check_surroundings(design: DesignSchema) -> None:
 
 
 def _check_densities(design: DesignSchema) -> None:
-    if design.gravity is not None:
-        whose = "gravity"
-    else:
-        heavy = [k for k, load in enumerate(design.loads) if isinstance(load, WeightLoad)]
-        if not heavy:
-            return
-        whose = f"loads[{heavy[0]}]"
+    if design.gravity is None:
+        return
     for index, layer in enumerate(design.layers):
         if "density" not in layer.model_fields_set:
             raise problem(
-                f"is required for the weight of {whose}",
+                "is required for the weight of this layer",
                 key=f"layers[{index}].density",
                 allowed='such as "1050 kg/m^3", or a material that has one',
             )
