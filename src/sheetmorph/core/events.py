@@ -72,6 +72,42 @@ class StepRejected(Event):
 
 
 @dataclass(frozen=True)
+class MomentReached(Event):
+    """A step through time was made.
+
+    Attributes:
+        index: number of the step, from 1.
+        time: where it ended [s].
+        step: its length [s].
+        residual: largest imbalance of the forces [N].
+        iterations: Newton iterations it took.
+        factorisations: factorisations it took.
+    """
+
+    index: int
+    time: float
+    step: float
+    residual: float
+    iterations: int
+    factorisations: int
+
+
+@dataclass(frozen=True)
+class TimeStepRejected(Event):
+    """A step through time is tried again, shorter.
+
+    Attributes:
+        time: where it would have ended [s].
+        step: its length [s].
+        reason: why, for people.
+    """
+
+    time: float
+    step: float
+    reason: str
+
+
+@dataclass(frozen=True)
 class Notice(Event):
     """Something people should know.
 

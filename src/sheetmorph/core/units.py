@@ -30,6 +30,7 @@ Kind = Literal[
     "temperature",
     "angle",
     "time",
+    "rate",
     "dimensionless",
 ]
 
@@ -45,6 +46,7 @@ _SI_UNITS: dict[str, str] = {
     "temperature": "K",
     "angle": "rad",
     "time": "s",
+    "rate": "1/s",
     "dimensionless": "",
 }
 
@@ -58,6 +60,7 @@ _EXAMPLES: dict[str, str] = {
     "temperature": "150 degC",
     "angle": "45 deg",
     "time": "5 min",
+    "rate": "2.5 1/s",
     "dimensionless": "0.33",
 }
 
@@ -103,8 +106,9 @@ pound_force_per_square_inch = pound_force / inch ** 2 = psi
 
 _NUMBER = r"[+-]?(?:[0-9]+(?:\.[0-9]*)?|\.[0-9]+)(?:[eE][+-]?[0-9]{1,3})?"
 _FACTOR = r"(?:[A-Za-zµμ]+|%)(?:\s?(?:\^|\*\*)\s?-?[1-9])?"
-_QUANTITY = re.compile(rf"\s*({_NUMBER})\s*((?:{_FACTOR}(?:\s?[*/·]\s?{_FACTOR}){{0,5}})?)\s*")
-_UNIT = re.compile(rf"\s*({_FACTOR}(?:\s?[*/·]\s?{_FACTOR}){{0,5}})\s*")
+_UNITS = rf"(?:1?\s?/\s?)?{_FACTOR}(?:\s?[*/·]\s?{_FACTOR}){{0,5}}"
+_QUANTITY = re.compile(rf"\s*({_NUMBER})\s*((?:{_UNITS})?)\s*")
+_UNIT = re.compile(rf"\s*({_UNITS})\s*")
 _PLAIN = str.maketrans({"²": "^2", "³": "^3", "°": "deg", "−": "-", "\u00a0": " "})
 
 
@@ -115,7 +119,7 @@ def to_si(value: object, kind: Kind) -> float:
         value: text of a number and a unit, such as `"0.3 mm"`. A `dimensionless`
             quantity may also be a plain number, or a percentage such as `"-30 %"`.
         kind: what is wanted; decides the unit of the answer (m, Pa, kg/m³, N, N/m, m/s², K,
-            rad, s, or none).
+            rad, s, 1/s, or none).
 
     Raises:
         InputError: no number with a unit of that kind, or not finite.
@@ -183,7 +187,8 @@ def _conversion(unit: str, kind: str) -> tuple[Decimal, Decimal]:
         return Decimal(1), Decimal(0)
     registry = _registry()
     try:
-        parsed = registry.parse_units(unit.replace("·", "*").replace(" ", ""))
+        plain = unit.replace("·", "*").replace(" ", "")
+        parsed = registry.parse_units(f"1{plain}" if plain.startswith("/") else plain)
         zero, one = (_convert(registry, n, parsed, _SI_UNITS[kind]) for n in (0, 1))
     except DimensionalityError:
         raise InputError(f'"{unit}" is not a unit of {_noun(kind)}; {_wanted(kind)}') from None

@@ -24,6 +24,7 @@ _LATER: dict[str, tuple[str, ...]] = {
     "actuation": ("under_pattern", "transverse", "direction", "centre", "radial_profile"),
     "supports": ("hold", "z", "clamp"),
     "mesh": ("curved",),
+    "solver": ("kind", "dynamic"),
 }
 """Keys that came after the first release, by table: with their default they leave no trace, so
 that the hashes of designs without them stay what they were."""

@@ -1,4 +1,4 @@
-"""Rules for weight, table and contact: what must be known, and what must bear the sheet."""
+"""Rules for mass, weight, table and contact: what must be known, and what bears the sheet."""
 
 from __future__ import annotations
 
@@ -33,12 +33,13 @@ def check_surroundings(design: DesignSchema) -> None:
 
 
 def _check_densities(design: DesignSchema) -> None:
-    if design.gravity is None:
+    moving = design.solver.kind == "dynamic"
+    if design.gravity is None and not moving:
         return
     for index, layer in enumerate(design.layers):
         if "density" not in layer.model_fields_set:
             raise problem(
-                "is required for the weight of this layer",
+                f"is required for the {'mass' if moving else 'weight'} of this layer",
                 key=f"layers[{index}].density",
                 allowed='such as "1050 kg/m^3", or a material that has one',
             )

@@ -18,6 +18,7 @@ from sheetmorph.design.fields import (
     problem,
 )
 from sheetmorph.design.materials import layer_values
+from sheetmorph.design.motion_table import DynamicOptions
 
 EVERYWHERE = "everywhere"
 """Where a layer lies that covers the whole sheet."""
@@ -192,6 +193,8 @@ class SolverOptions(Section):
     """How the equilibrium path is followed. Steps are fractions of the actuation.
 
     Attributes:
+        kind: "quasi_static" follows equilibria; "dynamic" solves the equation of motion, as
+            the table `dynamic` says.
         initial_step: the first step; `Design.initial_step` is what it is by default.
         tolerance: residual force that counts as equilibrium, as a fraction of the moment
             of one stiffest hinge bent by 1 rad over a mean edge length.
@@ -199,8 +202,10 @@ class SolverOptions(Section):
         max_steps: steps allowed in all.
         time_limit: [s]; none by default.
         threads: of the linear solver, where it has any (rslab); 0 is one.
+        dynamic: steps in time, damping and course; read where `kind` says so.
     """
 
+    kind: Literal["quasi_static", "dynamic"] = "quasi_static"
     initial_step: Fraction = 0.1
     max_step: Fraction = 0.1
     min_step: Fraction = 1e-3
@@ -210,6 +215,17 @@ class SolverOptions(Section):
     time_limit: Annotated[float, Quantity("time", "0 s", "720 h", above=True)] | None = None
     linear_solver: Literal["auto", "mkl", "rslab", "scipy"] = "auto"
     threads: Annotated[Whole, Field(ge=0, le=256)] = 0
+    dynamic: DynamicOptions | None = None
+
+    @model_validator(mode="after")
+    def _has_its_table(self) -> Self:
+        if self.kind == "dynamic" and self.dynamic is None:
+            raise problem(
+                "the dynamic solver needs to know its time step and what acts when",
+                key="dynamic",
+                allowed="a table [solver.dynamic] with time_step and course",
+            )
+        return self
 
     @model_validator(mode="after")
     def _ordered(self) -> Self:

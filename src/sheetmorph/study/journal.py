@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from sheetmorph import __version__
 from sheetmorph.core.errors import InputError
@@ -60,7 +61,14 @@ class Journal:
             OutputError: it cannot be written.
         """
         arrays: dict[str, Any] = {name: np.float64(getattr(state, name)) for name in _SCALARS}
-        arrays |= {"x": state.x, "tangent": state.tangent}
+        self.write_arrays(index, arrays | {"x": state.x, "tangent": state.tangent})
+
+    def write_arrays(self, index: int, arrays: dict[str, Any]) -> None:
+        """Keep one record of arrays.
+
+        Raises:
+            OutputError: it cannot be written.
+        """
         with replacing(self.folder / f"state_{index:05d}.npz") as partial:
             np.savez(partial, **arrays)
 
@@ -73,6 +81,14 @@ class Journal:
 
         Raises:
             InputError: there is no journal, or it is of another design or version.
+        """
+        return [_read_state(path, size) for path in self.records(design_hash)]
+
+    def records(self, design_hash: str) -> list[Path]:
+        """The files of the unfinished run, in order; at least the first.
+
+        Raises:
+            InputError: as for `read`.
         """
         try:
             about = json.loads((self.folder / "journal.json").read_text("utf-8"))
@@ -89,36 +105,46 @@ class Journal:
                 "another folder with -o",
                 file=self.folder.parent,
             )
-        states: list[PathState] = []
+        files: list[Path] = []
         for index in range(100_000):
             path = self.folder / f"state_{index:05d}.npz"
             if not path.is_file():
                 break
-            states.append(_read_state(path, size))
-        if not states:
+            files.append(path)
+        if not files:
             raise InputError(
                 "the unfinished run here has no states yet; run without --resume",
                 file=self.folder.parent,
             )
-        return states
+        return files
 
     def remove(self) -> None:
         """Delete the journal."""
         shutil.rmtree(self.folder, ignore_errors=True)
 
 
-def _read_state(path: Path, size: int) -> PathState:
+def read_arrays(path: Path, names: Iterable[str]) -> dict[str, NDArray[np.float64]]:
+    """Arrays of a record by their names.
+
+    Raises:
+        InputError: it cannot be read, or lacks one.
+    """
     try:
         with np.load(path, allow_pickle=False) as data:
-            x, tangent = data["x"], data["tangent"]
-            values = {name: float(data[name]) for name in _SCALARS}
+            return {name: np.asarray(data[name], dtype=np.float64) for name in names}
     except (OSError, ValueError, KeyError, zipfile.BadZipFile, EOFError) as error:
         raise InputError(f"this state cannot be read ({error})", file=path) from None
+
+
+def _read_state(path: Path, size: int) -> PathState:
+    values: dict[str, Any] = dict(read_arrays(path, ("x", "tangent", *_SCALARS)))
+    x, tangent = values.pop("x"), values.pop("tangent")
+    values = {name: float(value) for name, value in values.items()}
     if x.shape != (size,) or tangent.shape != (size,) or not np.isfinite(x).all():
         raise InputError("this state does not fit the design's mesh", file=path)
     return PathState(
-        x=np.asarray(x, dtype=np.float64),
-        tangent=np.asarray(tangent, dtype=np.float64),
+        x=x,
+        tangent=tangent,
         leg=int(values["leg"]),
         s=values["s"],
         step=values["step"],

@@ -17,6 +17,7 @@ from sheetmorph.design.regions import Regions, regions
 from sheetmorph.design.spec import Design
 from sheetmorph.geometry import surface
 from sheetmorph.geometry.mesh import Floats, SheetMesh
+from sheetmorph.study.motion_record import MotionRecord
 from sheetmorph.study.result_file import read_result, write_result
 
 Bools = NDArray[np.bool_]
@@ -44,6 +45,7 @@ class Result:
         scalars: scalar unknowns of every state [m], shape (S, n): turns of the directors of the
             laminate model times the mean edge length; n = 0 for the published one.
         summary: the numbers of `summary.json`.
+        motion: times, velocities and energies of a dynamic run; None for a quasi-static one.
     """
 
     design: Design
@@ -61,6 +63,7 @@ class Result:
     held_nodes: NDArray[np.intp]
     scalars: Floats
     summary: dict[str, Any] = field(default_factory=dict)
+    motion: MotionRecord | None = None
 
     @classmethod
     def load(cls, path: str | Path) -> Result:

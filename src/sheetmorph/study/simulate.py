@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from sheetmorph import __version__
+from sheetmorph.core.errors import InputError
 from sheetmorph.core.events import Event, Listener, Notice, Progress, Started, StateReached, silent
 from sheetmorph.design.spec import Design
 from sheetmorph.geometry import surface
@@ -66,6 +67,17 @@ def simulate(
         InputError: the design and its mesh do not fit together.
         OutputError: a state could not be kept.
     """
+    if design.solver.kind == "dynamic":
+        from sheetmorph.study.motion import simulate_motion
+
+        if stops:
+            raise InputError(
+                "a motion passes no given fractions of the actuation",
+                key="solver.kind",
+                value="dynamic",
+                allowed="quasi_static",
+            )
+        return simulate_motion(design, on_event=on_event, journal=journal, resume=resume, mesh=mesh)
     began = perf_counter()
     on_event(Started(design.name))
     problem = build_problem(design, mesh)
@@ -97,10 +109,10 @@ def simulate(
         on_state=aside.keep,
     )
     solved = perf_counter() - start - aside.seconds
-    result = _result(problem, path, system, linear.name)
+    result = result_of(problem, path, system, linear.name)
     if path.status is Status.STEP_TOO_SMALL:
         _explain(result)
-    result.summary["seconds"] = _seconds(system.work, solved, perf_counter() - began)
+    result.summary["seconds"] = seconds_of(system.work, solved, perf_counter() - began)
     if path.status is not Status.COMPLETED:
         on_event(Notice(f"{path.status}: {result.summary['remedy']}"))
     return result
@@ -147,9 +159,20 @@ def path_options(problem: Problem) -> PathOptions:
     )
 
 
-def _result(problem: Problem, path: Path, system: System, solver: str) -> Result:
+def result_of(
+    problem: Problem, path: Path, system: System, solver: str, *, aligned: bool = True
+) -> Result:
+    """What is told of the states of a path, without the times it took.
+
+    Args:
+        problem: the problem.
+        path: its states, and how it ended.
+        system: the account of the work.
+        solver: name of the linear solver.
+        aligned: lay the states of a sheet that nothing holds over the flat one.
+    """
     positions = np.array([problem.positions(state.x) for state in path.states])
-    if problem.floats:
+    if aligned and problem.floats:
         positions = align_to_reference(positions, problem.mesh.nodes)
     final = path.states[-1]
     energies = problem.total.at(final.ramp, final.load).energies(final.x)
@@ -232,7 +255,8 @@ def _explain(result: Result) -> None:
         )
 
 
-def _seconds(work: Work, solved: float, wall: float) -> dict[str, float]:
+def seconds_of(work: Work, solved: float, wall: float) -> dict[str, float]:
+    """Where the time went [s]: the parts of the solver, and all in all."""
     parts = {
         "assembly": work.assembly_seconds,
         "factorise": work.factorise_seconds,
