@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from shapely.geometry.base import BaseGeometry
 
     from sheetmorph.design.regions import Regions
+    from sheetmorph.design.smoothing import SmoothPattern
     from sheetmorph.design.spec import Design
 
 NO_DIRECTION = 1e-9
@@ -115,6 +116,8 @@ def thermal_strain(design: Design, mesh: SheetMesh, region: Regions) -> Floats:
         return edge_eigenstrain(mesh, triangle_eigenstrain(design, mesh, region))
     if not design.pattern:
         return np.full(len(mesh.edges), design.eps_pre)
+    if region.smooth is not None:
+        return np.asarray(design.eps_pre * _smooth_share(design, region.smooth, "edges"))
     distances, farthest = edge_distance(design, mesh, region)
     share = profile(distances / farthest, design.actuation.profile, design.actuation.gamma)
     return np.where(region.edge_in_pattern, 0.0, design.eps_pre * share)
@@ -134,6 +137,9 @@ def triangle_share(design: Design, mesh: SheetMesh, region: Regions) -> Floats:
     covered = covered_cells(design, region)
     if options.whole_sheet or not covered.any() or design.eps_pre == 0.0:
         return np.ones(len(mesh.triangles))
+    if region.smooth is not None:
+        share = _smooth_share(design, region.smooth, "triangles")
+        return np.asarray(options.under_pattern + (1.0 - options.under_pattern) * share)
     inside = covered[region.triangle_cell]
     _, farthest = edge_distance(design, mesh, region)
     points = mesh.triangle_centroids[~inside]
@@ -141,6 +147,15 @@ def triangle_share(design: Design, mesh: SheetMesh, region: Regions) -> Floats:
     share = np.zeros(len(mesh.triangles))
     share[~inside] = profile(np.minimum(distances / farthest, 1.0), options.profile, options.gamma)
     return np.asarray(options.under_pattern + (1.0 - options.under_pattern) * share)
+
+
+def _smooth_share(
+    design: Design, smooth: SmoothPattern, places: Literal["edges", "triangles"]
+) -> Floats:
+    """The profile where no inert part covers the sheet, tapering off where one begins."""
+    open_share, fraction = smooth.free(getattr(smooth, places))
+    options = design.actuation
+    return np.asarray(open_share * profile(fraction, options.profile, options.gamma))
 
 
 def triangle_eigenstrain(design: Design, mesh: SheetMesh, region: Regions) -> Floats:

@@ -23,7 +23,7 @@ _LATER: dict[str, tuple[str, ...]] = {
     "layers": ("eigenstrain_factor",),
     "actuation": ("under_pattern", "transverse", "direction", "centre", "radial_profile"),
     "supports": ("hold", "z", "clamp"),
-    "mesh": ("curved",),
+    "mesh": ("curved", "pattern_smoothing"),
     "solver": ("kind", "dynamic"),
 }
 """Keys that came after the first release, by table: with their default they leave no trace, so

@@ -22,6 +22,12 @@ if TYPE_CHECKING:
     from sheetmorph.design.spec import Design
 
 
+STRETCHING = np.sqrt(3.0) / 2.0
+"""k_s over Σ Y h l0²."""
+BENDING = 2.0 / np.sqrt(3.0)
+"""k_b over D."""
+
+
 @dataclass(frozen=True, eq=False)
 class LayerStack:
     """Layers bonded face to face, from the bottom up; n layers.
@@ -108,12 +114,26 @@ class LayerStack:
 
     def stretching_stiffness(self, mean_edge_length: float) -> float:
         """k_s = (√3/2) Σ Y h l0² [J] of an edge in a mesh of mean edge length l0 [m]."""
-        return float(np.sqrt(3.0) / 2.0 * self.membrane_stiffness * mean_edge_length**2)
+        return float(STRETCHING * self.membrane_stiffness * mean_edge_length**2)
 
     @property
     def bending_stiffness(self) -> float:
         """k_b = (2/√3) D of a hinge [J]."""
-        return float(2.0 / np.sqrt(3.0) * self.flexural_rigidity)
+        return float(BENDING * self.flexural_rigidity)
+
+
+def tapered_stiffness(thicknesses: Floats, plate_moduli: Floats) -> tuple[Floats, Floats]:
+    """Σ Y h [N/m] and D [N·m] at N places where layers differ in thickness, shape (N,) each.
+
+    Args:
+        thicknesses: [m], shape (layers, N); zero where there is no such layer.
+        plate_moduli: Y [Pa], shape (layers, N) or (layers, 1).
+    """
+    middles = np.cumsum(thicknesses, axis=0) - 0.5 * thicknesses
+    weights = plate_moduli * thicknesses
+    membrane = weights.sum(axis=0)
+    offsets = middles - (weights * middles).sum(axis=0) / membrane
+    return membrane, (weights * (thicknesses**2 / 12.0 + offsets**2)).sum(axis=0)
 
 
 @dataclass(frozen=True, eq=False)
@@ -154,11 +174,19 @@ def mean_edge_length(design: Design, mesh: SheetMesh) -> float:
 def published_stiffness(design: Design, mesh: SheetMesh, regions: Regions) -> PublishedStiffness:
     """Stiffness of edges and hinges by region; a hinge takes the region of its edge."""
     l0, options = mean_edge_length(design, mesh), design.published
-    stacks = [cell.stack for cell in regions.cells]
-    stretching = np.array([stack.stretching_stiffness(l0) for stack in stacks])
-    plain = options.stretch_factor * stretching[regions.edge_cell]
     scaled = options.stretch_stiffness == "scaled_by_edge_length"
-    bending = np.array([stack.bending_stiffness for stack in stacks])[regions.hinge_cell]
+    if regions.smooth is None:
+        stacks = [cell.stack for cell in regions.cells]
+        stretching = np.array([stack.stretching_stiffness(l0) for stack in stacks])
+        plain = options.stretch_factor * stretching[regions.edge_cell]
+        bending = np.array([stack.bending_stiffness for stack in stacks])[regions.hinge_cell]
+    else:
+        whole = LayerStack.of(design.layers)
+        shares = regions.smooth.layer_shares(design, regions.smooth.edges)
+        thicknesses = shares * whole.thicknesses[:, None]
+        membrane, rigidity = tapered_stiffness(thicknesses, whole.plate_moduli[:, None])
+        plain = options.stretch_factor * STRETCHING * l0**2 * membrane
+        bending = BENDING * rigidity[mesh.hinge_edges[:, 0]]
     return PublishedStiffness(plain, plain * mesh.edge_lengths if scaled else plain, bending)
 
 

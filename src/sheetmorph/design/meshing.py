@@ -38,26 +38,31 @@ def build_mesh(design: Design) -> SheetMesh:
             raise InputError(
                 error.message, file=design.file, key=key, value=error.value, allowed=error.allowed
             ) from None
-        _check_follows(design, mesh)
+        if design.spec.mesh.pattern_smoothing is None:
+            _check_follows(design, mesh)
     else:
         from sheetmorph.geometry.files import read_mesh
 
         source = design.spec.mesh
         mesh = read_mesh(path, scale_of(source.unit, "length"), curved=source.curved)
         _check_fits(design, mesh)
-    if hinge_orientation(design, path) == "away_from_pattern":
+    smeared = design.spec.mesh.pattern_smoothing is not None
+    if hinge_orientation(design, path) == "away_from_pattern" and not smeared:
         mesh = mesh.with_hinges_reversed(farther_side(mesh, design.pattern_polygon()) < 0)
     return mesh
 
 
 def _make(design: Design) -> SheetMesh:
-    """A mesh of the plan, with the symmetry of the design where that is wanted."""
+    """A mesh of the plan, with the symmetry of the design where that is wanted.
+
+    It does not follow a pattern with a smeared boundary, so that it stays when the pattern moves.
+    """
     from sheetmorph.geometry.generate import generate_mesh
     from sheetmorph.geometry.symmetric_mesh import symmetric_mesh
 
     source, layout = design.spec.mesh, design.layout
     assert source.size is not None  # noqa: S101  the schema wants a size or a file
-    parts = list(layout.parts.values())
+    parts = [] if source.pattern_smoothing else list(layout.parts.values())
     slits = None if layout.slits.is_empty else layout.slits
     size, near, growth = source.size, source.boundary_size, source.growth
     kind = source.symmetry
@@ -137,9 +142,12 @@ def hinge_coupling(design: Design, mesh: SheetMesh, region: Regions) -> Floats:
     It is `published.coupling` with the sign of the face on which the inert layers lie, see
     `hinge_face`, but zero where hinges run away from the pattern and both sides of a hinge lie
     equally far from it: such a hinge has no preferred side, and any sign would come from the
-    numbering.
+    numbering. Where the boundary is smeared the sign turns smoothly.
     """
     coupling = design.published.coupling * hinge_face(mesh, region)
+    if region.smooth is not None:
+        away = hinge_orientation(design, design.resolve_mesh_path()) == "away_from_pattern"
+        return np.asarray(coupling * (region.smooth.hinge_side(mesh) if away else 1.0))
     if hinge_orientation(design, design.resolve_mesh_path()) == "away_from_pattern":
         coupling[farther_side(mesh, design.pattern_polygon()) == 0] = 0.0
     return np.asarray(coupling, dtype=np.float64)

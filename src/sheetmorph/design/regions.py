@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import TYPE_CHECKING
 
@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from sheetmorph.design.distance import contains, distance_to_boundary
 from sheetmorph.design.laminate import LayerStack, film_stack, stack_of
+from sheetmorph.design.smoothing import SmoothPattern, smooth_pattern
 from sheetmorph.geometry.mesh import Floats, SheetMesh
 
 if TYPE_CHECKING:
@@ -54,6 +55,7 @@ class Regions:
         triangle_cell: of each triangle, by its centroid, shape (T,).
         hinge_cell: of each hinge, by its edge, shape (H,).
         node_cell: of each node, by its position, shape (V,).
+        smooth: the same with a smeared boundary; None where it is sharp.
     """
 
     cells: tuple[Cell, ...]
@@ -61,6 +63,7 @@ class Regions:
     triangle_cell: NDArray[np.intp]
     hinge_cell: NDArray[np.intp]
     node_cell: NDArray[np.intp]
+    smooth: SmoothPattern | None = None
 
     @cached_property
     def edge_in_pattern(self) -> Bools:
@@ -85,7 +88,7 @@ class Regions:
 
 def regions(design: Design, mesh: SheetMesh) -> Regions:
     """Sort the parts of a mesh of the design into the cells of its plan."""
-    return classify(mesh, cells(design))
+    return replace(classify(mesh, cells(design)), smooth=smooth_pattern(design, mesh))
 
 
 def cells(design: Design) -> tuple[Cell, ...]:

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 from sheetmorph.core.errors import nearest
 from sheetmorph.design import actuation_table, support_tables
 from sheetmorph.design.fields import Section, problem
+from sheetmorph.design.laminate import LayerStack
 from sheetmorph.design.sections import EVERYWHERE
 from sheetmorph.design.support_tables import FreeSupport, SymmetrySupport
 
@@ -151,3 +152,31 @@ def check_supports(design: DesignSchema) -> None:
             raise problem(
                 "the design has no pattern to hold", key=f"supports[{index}].kind", allowed="box"
             )
+
+
+def check_smoothing(design: DesignSchema) -> None:
+    """Refuse a smeared boundary of the pattern where it has no meaning."""
+    if design.mesh.pattern_smoothing is None:
+        return
+    key = "mesh.pattern_smoothing"
+    if not design.pattern:
+        raise problem("the design has no pattern whose boundary could be smeared", key=key)
+    if design.actuation.distance == "bilayer_edges" and not design.actuation.whole_sheet:
+        raise problem(
+            "a smeared boundary needs distances that vary smoothly",
+            key="actuation.distance",
+            value="bilayer_edges",
+            allowed='"pattern_boundary", or no mesh.pattern_smoothing',
+        )
+    if design.model != "published":
+        return
+    faces = {
+        LayerStack.of([one for one in design.layers if one.where in (EVERYWHERE, part)]).face
+        for part in {piece.part for piece in design.pattern}
+    }
+    if len(faces) > 1:
+        raise problem(
+            "parts on both faces have no common sense of coupling in the published model; choose "
+            "one face, or model = laminate",
+            key=key,
+        )

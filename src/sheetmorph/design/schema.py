@@ -13,7 +13,12 @@ from sheetmorph.design.fields import MAX_NAME, NAME_PATTERN, Section, problem
 from sheetmorph.design.layout import Layout, lay_out
 from sheetmorph.design.load_tables import Load
 from sheetmorph.design.outlines import Outline, PatternShape
-from sheetmorph.design.rules import check_layers, check_model, check_supports
+from sheetmorph.design.rules import (
+    check_layers,
+    check_model,
+    check_smoothing,
+    check_supports,
+)
 from sheetmorph.design.rules_of_surroundings import check_surroundings
 from sheetmorph.design.sections import (
     LaminateOptions,
@@ -59,6 +64,7 @@ class DesignSchema(Section):
         check_model(self)
         check_layers(self)
         check_supports(self)
+        check_smoothing(self)
         check_surroundings(self)
         _check_size(self)
         return self

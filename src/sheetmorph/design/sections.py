@@ -117,6 +117,8 @@ class MeshSource(Section):
         reference_file: name of a mesh file in the folder of reference data.
         unit: unit of length of the coordinates in the file.
         curved: the sheet of the file need not be flat; its form is free of stress.
+        pattern_smoothing: width over which layers of the pattern taper off at its boundary, which
+            a mesh that is made then does not follow [m]; None for a sharp boundary.
     """
 
     size: Size | None = None
@@ -127,6 +129,7 @@ class MeshSource(Section):
     reference_file: FileName | None = None
     unit: Literal["um", "mm", "cm", "m", "in"] = "mm"
     curved: Flag = False
+    pattern_smoothing: Size | None = None
 
     @model_validator(mode="after")
     def _one_source(self) -> Self:

@@ -17,7 +17,8 @@ class Layup:
     """A stack of n layers, from the bottom up.
 
     Attributes:
-        thicknesses: before actuation [m], shape (n,).
+        thicknesses: before actuation [m], shape (n,); or (n, T), where layers differ from
+            triangle to triangle of the sheet.
         young_moduli: [Pa], shape (n,).
         poisson_ratios: shape (n,).
         eigenstrain_factors: by which each layer takes the eigenstrain of its place, 0 where it
@@ -135,8 +136,10 @@ class Lamination:
         eigen = ramp * self.eigenstrains[here]
         bent = self.measures.reference_curvatures[here]
         stretches = [_stretch(factor * eigen) for factor in layup.eigenstrain_factors]
-        heights = layup.thicknesses[:, None] / np.array(
-            [_determinant(f) if self.thickening else np.ones(len(here)) for f in stretches]
+        given = layup.thicknesses
+        flat = given[:, None] if given.ndim == 1 else given[:, here]
+        heights = flat / np.array(
+            [determinant(f) if self.thickening else np.ones(len(here)) for f in stretches]
         )
         tops = np.cumsum(heights, axis=0)
         anchors = np.flatnonzero(layup.anchors) if layup.anchors.any() else np.arange(len(tops))
@@ -146,9 +149,9 @@ class Lamination:
         stiffness = np.zeros((len(here), 6, 6))
         resultants, constant = np.zeros((len(here), 6)), np.zeros(len(here))
         for k, stretch in enumerate(stretches):
-            modulus = _moduli(stretch, layup.young_moduli[k], layup.poisson_ratios[k])
+            modulus = moduli(stretch, layup.young_moduli[k], layup.poisson_ratios[k])
             top, bottom = tops[k], tops[k] - heights[k]
-            weight = _determinant(stretch)
+            weight = determinant(stretch)
             i0 = weight * (top - bottom)
             i1 = weight * (top**2 - bottom**2) / 2.0
             i2 = weight * (top**3 - bottom**3) / 3.0
@@ -157,9 +160,9 @@ class Lamination:
             stiffness[:, :3, 3:] += b
             stiffness[:, 3:, :3] += b
             stiffness[:, 3:, 3:] += d
-            free, bend = _half_metric(stretch), _pulled(stretch, bent)
+            free, bend = half_metric(stretch), _pulled(stretch, bent)
             layer = np.concatenate(
-                [_times(a, free) + _times(b, bend), _times(b, free) + _times(d, bend)], axis=1
+                [times(a, free) + times(b, bend), times(b, free) + times(d, bend)], axis=1
             )
             resultants += layer
             constant += 0.5 * np.einsum("ti,ti->t", layer, np.concatenate([free, bend], axis=1))
@@ -187,11 +190,12 @@ def _stretch(eigen: Floats) -> Floats:
     return np.asarray(eigen + np.array([1.0, 1.0, 0.0]))
 
 
-def _determinant(stretch: Floats) -> Floats:
+def determinant(stretch: Floats) -> Floats:
+    """det F, shape (n,)."""
     return np.asarray(stretch[:, 0] * stretch[:, 1] - stretch[:, 2] ** 2)
 
 
-def _half_metric(stretch: Floats) -> Floats:
+def half_metric(stretch: Floats) -> Floats:
     """½ F² as (11, 22, 2·12)."""
     f, g, s = stretch.T
     return np.stack([0.5 * (f * f + s * s), 0.5 * (g * g + s * s), s * (f + g)], axis=1)
@@ -199,10 +203,10 @@ def _half_metric(stretch: Floats) -> Floats:
 
 def _pulled(stretch: Floats, tensor: Floats) -> Floats:
     """F t F as (11, 22, 2·12), of a tensor so given."""
-    return _times(_congruence(stretch), tensor)
+    return times(congruence(stretch), tensor)
 
 
-def _congruence(f: Floats) -> Floats:
+def congruence(f: Floats) -> Floats:
     """The map t → f t f for symmetric f on tensors (11, 22, 2·12), shape (n, 3, 3)."""
     a, b, s = f.T
     rows = [
@@ -213,7 +217,7 @@ def _congruence(f: Floats) -> Floats:
     return np.stack([np.stack(row, axis=1) for row in rows], axis=1)
 
 
-def _moduli(stretch: Floats, young: float, poisson: float) -> Floats:
+def moduli(stretch: Floats, young: float, poisson: float) -> Floats:
     """Plane-stress moduli of the natural state, in the reference frame, shape (n, 3, 3)."""
     plain = (
         young
@@ -221,10 +225,11 @@ def _moduli(stretch: Floats, young: float, poisson: float) -> Floats:
         * np.array([[1.0, poisson, 0.0], [poisson, 1.0, 0.0], [0.0, 0.0, 0.5 * (1.0 - poisson)]])
     )
     f, g, s = stretch.T
-    inverse = np.stack([g, f, -s], axis=1) / _determinant(stretch)[:, None]
-    change = _congruence(inverse)
+    inverse = np.stack([g, f, -s], axis=1) / determinant(stretch)[:, None]
+    change = congruence(inverse)
     return np.asarray(change.transpose(0, 2, 1) @ plain @ change)
 
 
-def _times(matrices: Floats, vectors: Floats) -> Floats:
+def times(matrices: Floats, vectors: Floats) -> Floats:
+    """Products of n matrices with a vector each."""
     return np.asarray((matrices @ vectors[:, :, None])[:, :, 0])

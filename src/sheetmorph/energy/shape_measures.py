@@ -39,29 +39,13 @@ class ShapeMeasures:
             patch: its triangles.
             frames: two orthonormal vectors in the plane of each triangle, shape (T, 2, 3).
         """
-        corners = nodes[patch.stencil[:, :3]]
-        plane = np.einsum("tcx,tdx->tcd", corners - corners[:, :1], frames)
-        u, v = plane[:, 1], plane[:, 2]
-        double = u[:, 0] * v[:, 1] - u[:, 1] * v[:, 0]
-        second = np.stack([v[:, 1], -v[:, 0]], axis=1) / double[:, None]
-        third = np.stack([-u[:, 1], u[:, 0]], axis=1) / double[:, None]
-        slopes = np.stack([-second - third, second, third], axis=1)  # ∇λ, shape (T, 3, 2)
-        maps = np.zeros((len(corners), 6, 6))
-        for i in range(3):
-            p, q = slopes[:, (i + 1) % 3], slopes[:, (i + 2) % 3]
-            own = slopes[:, i]
-            maps[:, 0, i] = -0.5 * p[:, 0] * q[:, 0]
-            maps[:, 1, i] = -0.5 * p[:, 1] * q[:, 1]
-            maps[:, 2, i] = -0.5 * (p[:, 0] * q[:, 1] + p[:, 1] * q[:, 0])
-            maps[:, 3, 3 + i] = own[:, 0] ** 2
-            maps[:, 4, 3 + i] = own[:, 1] ** 2
-            maps[:, 5, 3 + i] = 2.0 * own[:, 0] * own[:, 1]
+        maps, areas = strain_maps(nodes[patch.stencil[:, :3]], frames)
         inverses = np.zeros_like(maps)
         inverses[:, :3, :3] = np.linalg.inv(maps[:, :3, :3])
         inverses[:, 3:, 3:] = np.linalg.inv(maps[:, 3:, 3:])
         resting = measures_at(nodes, patch)[:, 3:]
         curvatures = np.einsum("tij,tj->ti", maps[:, 3:, 3:], resting)
-        return cls(maps, inverses, 0.5 * double, curvatures)
+        return cls(maps, inverses, areas, curvatures)
 
     def forms(self, x: Floats, patch: Patch) -> tuple[Floats, Floats]:
         """First and second fundamental form of the triangles at the degrees of freedom x.
@@ -74,6 +58,32 @@ class ShapeMeasures:
         first = strains[:, :3] * [2.0, 2.0, 1.0]
         second = strains[:, 3:] * [-1.0, -1.0, -0.5]
         return np.asarray(first), np.asarray(second)
+
+
+def strain_maps(corners: Floats, frames: Floats) -> tuple[Floats, Floats]:
+    """From p to (½ a, −b) of triangles, shape (T, 6, 6), and their areas [m²], shape (T,).
+
+    Args:
+        corners: at rest [m], shape (T, 3, 3).
+        frames: two orthonormal vectors in the plane of each triangle, shape (T, 2, 3).
+    """
+    plane = np.einsum("tcx,tdx->tcd", corners - corners[:, :1], frames)
+    u, v = plane[:, 1], plane[:, 2]
+    double = u[:, 0] * v[:, 1] - u[:, 1] * v[:, 0]
+    second = np.stack([v[:, 1], -v[:, 0]], axis=1) / double[:, None]
+    third = np.stack([-u[:, 1], u[:, 0]], axis=1) / double[:, None]
+    slopes = np.stack([-second - third, second, third], axis=1)  # ∇λ, shape (T, 3, 2)
+    maps = np.zeros((len(corners), 6, 6))
+    for i in range(3):
+        p, q = slopes[:, (i + 1) % 3], slopes[:, (i + 2) % 3]
+        own = slopes[:, i]
+        maps[:, 0, i] = -0.5 * p[:, 0] * q[:, 0]
+        maps[:, 1, i] = -0.5 * p[:, 1] * q[:, 1]
+        maps[:, 2, i] = -0.5 * (p[:, 0] * q[:, 1] + p[:, 1] * q[:, 0])
+        maps[:, 3, 3 + i] = own[:, 0] ** 2
+        maps[:, 4, 3 + i] = own[:, 1] ** 2
+        maps[:, 5, 3 + i] = 2.0 * own[:, 0] * own[:, 1]
+    return maps, np.asarray(0.5 * double)
 
 
 def measures_at(rows: Floats, patch: Patch) -> Floats:

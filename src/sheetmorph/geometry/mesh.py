@@ -119,14 +119,9 @@ class SheetMesh:
         normal times the first: the axes of the plan where the sheet is flat. In a triangle
         that faces x, where the projection vanishes, the first is that of the z axis.
         """
-        normals = self.triangle_normals
-        first = np.zeros_like(normals)
-        steep = np.abs(normals[:, 0]) > 1.0 - 1e-9
-        first[:, 0] = 1.0
-        first[steep] = (0.0, 0.0, 1.0)
-        first -= (first * normals).sum(axis=1)[:, None] * normals
-        first /= np.linalg.norm(first, axis=1)[:, None]
-        return np.stack([first, np.cross(normals, first)], axis=1)
+        from sheetmorph.geometry.surface import frames_of
+
+        return frames_of(self.triangle_normals)
 
     @cached_property
     def node_areas(self) -> Floats:

@@ -65,6 +65,21 @@ def triangle_normals(positions: ArrayLike, triangles: Indices) -> Floats:
     return normals
 
 
+def frames_of(normals: Floats) -> Floats:
+    """Two unit vectors in the plane of each triangle, see `SheetMesh.triangle_frames`, (T, 2, 3).
+
+    Args:
+        normals: unit normals of the triangles, shape (T, 3).
+    """
+    first = np.zeros_like(normals)
+    steep = np.abs(normals[:, 0]) > 1.0 - 1e-9
+    first[:, 0] = 1.0
+    first[steep] = (0.0, 0.0, 1.0)
+    first -= (first * normals).sum(axis=1)[:, None] * normals
+    first /= np.linalg.norm(first, axis=1)[:, None]
+    return np.stack([first, np.cross(normals, first)], axis=1)
+
+
 def triangle_areas(positions: ArrayLike, triangles: Indices) -> Floats:
     """Areas of the triangles [m²], shape (..., T)."""
     return np.asarray(_norm(_area_vectors(positions, triangles)))

@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
+from numpy.typing import NDArray
 
 from sheetmorph.design.actuation import triangle_eigenstrain
 from sheetmorph.design.laminate import LayerStack
@@ -28,14 +31,26 @@ def laminate_shell(design: Design, mesh: SheetMesh, region: Regions) -> Laminate
     edges, conormals = directed_edges(design, mesh, region)
     patch = Patch.of(mesh, mesh.mean_edge_length, edges, conormals)
     measures = ShapeMeasures.of(mesh.nodes, patch, mesh.triangle_frames)
+    cells, layups = _layups(design, region)
     lamination = Lamination(
         measures=measures,
-        cells=region.triangle_cell,
-        layups=tuple(_layup(design, cell.parts, cell.stack) for cell in region.cells),
+        cells=cells,
+        layups=layups,
         eigenstrains=triangle_eigenstrain(design, mesh, region),
         thickening=design.spec.laminate.thickening == "volume_conserved",
     )
     return LaminateShell.of(patch, lamination)
+
+
+def _layups(design: Design, region: Regions) -> tuple[NDArray[np.intp], tuple[Layup, ...]]:
+    """Which layup each triangle has, shape (T,), and the layups."""
+    if region.smooth is None:
+        layups = tuple(_layup(design, cell.parts, cell.stack) for cell in region.cells)
+        return region.triangle_cell, layups
+    whole = _layup(design, region.smooth.names, LayerStack.of(design.layers))
+    shares = region.smooth.layer_shares(design, region.smooth.triangles)
+    tapered = replace(whole, thicknesses=shares * whole.thicknesses[:, None])
+    return np.zeros_like(region.triangle_cell), (tapered,)
 
 
 def _layup(design: Design, parts: tuple[str, ...], stack: LayerStack) -> Layup:

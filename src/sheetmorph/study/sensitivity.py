@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -10,19 +10,20 @@ import numpy as np
 from pydantic import BaseModel
 
 from sheetmorph.core.errors import ComputationError, InputError, nearest
+from sheetmorph.design.laminate import stack_of
+from sheetmorph.design.regions import Regions
 from sheetmorph.design.spec import Design
-from sheetmorph.energy.hinge import CoupledHinge
-from sheetmorph.energy.laminate import LaminateShell
-from sheetmorph.energy.shape_measures import measures_at
-from sheetmorph.energy.stretch import EdgeStretch
-from sheetmorph.geometry import surface
+from sheetmorph.energy.loads import NodalLoad
 from sheetmorph.geometry.mesh import Floats
 from sheetmorph.solve.adjoint import adjoint_state
 from sheetmorph.solve.constraints import HeldDofs
 from sheetmorph.solve.linear import make_solver
 from sheetmorph.solve.system import System
+from sheetmorph.study.laminate_slopes import laminate_fields
 from sheetmorph.study.model import Problem, build_problem
-from sheetmorph.study.published_model import SIGNS
+from sheetmorph.study.parameters import model_arrays
+from sheetmorph.study.pattern_slopes import PatternSlopes
+from sheetmorph.study.published_slopes import layer_fields, published_fields, published_rest
 from sheetmorph.study.result import Result
 
 Objective = Callable[[Floats], tuple[float, Floats]]
@@ -31,140 +32,232 @@ Objective = Callable[[Floats], tuple[float, Floats]]
 STEP = 1e-5
 """Relative step of the central differences of forces and strains, at fixed positions."""
 
-UNCHANGED = ("outline", "pattern", "mesh", "supports")
+UNCHANGED = ("outline", "mesh", "supports")
 """Tables of the design that decide on the mesh and on what is held: not differentiated."""
+
+DISCRETE = ("random_polygons", "drawing")
+"""Kinds of shapes that do not follow their numbers smoothly."""
+
+LAYER_FIELDS = frozenset({"thickness", "young_modulus", "poisson_ratio"})
+PUBLISHED_FIELDS = (
+    "eigenstrain",
+    "stretch_stiffness",
+    "bending_stiffness",
+    "coupling",
+    "rest_length",
+    *sorted(LAYER_FIELDS),
+    "rest_positions",
+)
+LAMINATE_FIELDS = ("eigenstrain", "eigenstrain_factor", *sorted(LAYER_FIELDS), "rest_positions")
+"""Names of the fields of each model."""
 
 
 @dataclass(frozen=True, eq=False)
 class Sensitivities:
     """A function of the final shape and its derivatives.
 
+    V nodes, E edges, H hinges, T triangles, L layers.
+
     Attributes:
         value: of the function.
         keys: derivative by design key, in SI units, at a fixed mesh.
-        fields: derivatives by field. "eigenstrain": of the edges, shape (E,), or with the
-            laminate model (e11, e22, e12) of the triangles, shape (T, 3), at full actuation.
-            Published model: "stretch_stiffness" K (E,), "bending_stiffness" k_b and
-            "coupling" (H,). e12 counts once for both of its places in the tensor.
+        fields: derivatives by field, each with all others held fixed. Both models:
+            "rest_positions" (V, 3), positions before actuation, while layers and free strains
+            stay with edges and triangles; "thickness", "young_modulus", "poisson_ratio" of each
+            layer at each edge (L, E) or, with the laminate model, triangle (L, T), also where it
+            has thickness 0 because it does not lie there.
+            Published model: "eigenstrain" (E,), "stretch_stiffness" K (E,), "rest_length" (E,),
+            "bending_stiffness" k_b and "coupling" (H,).
+            Laminate model: "eigenstrain" (T, 3), (e11, e22, e12) in the triangle's frame at full
+            actuation, where e12 counts once for both of its places in the tensor;
+            "eigenstrain_factor" (L, T).
+        boundary: of a pattern with a smeared boundary, by part: derivatives by the corners of its
+            drawn outline, shape (M, 2), see `corners`.
+        corners: these corners [m], shape (M, 2), ring by ring, the first of each repeated.
     """
 
     value: float
     keys: Mapping[str, float]
     fields: Mapping[str, Floats]
+    boundary: Mapping[str, Floats]
+    corners: Mapping[str, Floats]
 
 
-def sensitivities(result: Result, objective: Objective, keys: Sequence[str] = ()) -> Sensitivities:
+def sensitivities(
+    result: Result,
+    objective: Objective,
+    keys: Sequence[str] = (),
+    *,
+    fields: Collection[str] | None = None,
+) -> Sensitivities:
     """Differentiate a function of the final shape of a run, by the adjoint method.
 
-    One factorisation serves all parameters. Fields follow exactly from the energy; for a key
-    the energy is set up twice at the same mesh and its forces are differenced, nothing is solved
-    again. On a free sheet only functions that no rigid motion changes have a meaning.
+    One factorisation serves all parameters; nothing is solved again. Keys follow from the fields
+    by the chain rule: what a key does to the arrays of the model is differenced, at a fixed mesh.
+    Keys of the pattern need a smeared boundary (`mesh.pattern_smoothing`). On a free sheet only
+    functions that no rigid motion changes have a meaning.
 
     Args:
         result: a completed run; its last state is the shape.
         objective: see `Objective`.
-        keys: dotted keys of numbers in the design, such as "actuation.eps_pre" or
-            "layers.0.thickness".
+        keys: dotted keys of numbers in the design, such as "actuation.eps_pre",
+            "layers.0.thickness" or "pattern.0.arm_length".
+        fields: names of the fields wanted, see `Sensitivities`; all by default.
 
     Raises:
-        InputError: a key is no number of the design, or belongs to its geometry.
+        InputError: a key is no number of the design, or belongs to its geometry; or there is no
+            such field.
         ComputationError: the last state is no stable equilibrium.
     """
     if result.status != "completed":
         raise ComputationError(
             f"the run ended with {result.status}, so its last state has no sensitivities"
         )
+    values = {key: number_at(result.design, key) for key in keys}
     problem = build_problem(result.design, result.mesh)
-    x = np.concatenate([result.positions[-1].ravel(), result.scalars[-1]])
-    ramp, load = float(result.ramp[-1]), float(result.load_fraction[-1])
-    pattern = problem.total.pattern
-    linear = make_solver(pattern, result.design.solver.linear_solver)
-    held = HeldDofs.of(pattern, problem.held_dofs)
-    system = System(problem.total.at(ramp, load), held, linear)
+    wanted = _wanted(problem, fields)
+    state = _State.of(problem, result)
     value, slope = objective(result.positions[-1])
-    whole = np.concatenate([np.asarray(slope).ravel(), np.zeros(len(result.scalars[-1]))])
-    adjoint = adjoint_state(system, x, whole, 10.0 * problem.residual_tolerance)
+    slope = np.asarray(slope, dtype=np.float64)
+    adjoint = state.adjoint(slope)
+    found = _fields(problem, state, adjoint, slope, wanted)
+    smeared = problem.regions.smooth is not None
+    pattern = PatternSlopes.of(problem, found) if smeared and (values or fields is None) else None
     return Sensitivities(
         value=float(value),
-        keys={key: _by_key(problem, key, x, adjoint, ramp, load) for key in keys},
-        fields=_by_field(problem, x, adjoint, ramp),
+        keys={key: _by_key(state, key, values[key], adjoint, found, pattern) for key in values},
+        fields={name: array for name, array in found.items() if name in wanted},
+        boundary={} if pattern is None else pattern.by_corner,
+        corners={} if pattern is None else {k: b.corners for k, b in pattern.boundaries.items()},
     )
 
 
-def _by_key(
-    problem: Problem, key: str, x: Floats, adjoint: Floats, ramp: float, load: float
-) -> float:
-    """−λᵀ ∂g/∂p by a central difference of the forces at fixed positions."""
-    value = number_at(problem.design, key)
-    step = STEP * (abs(value) or 1.0)
-    forces = []
-    for moved in (value + step, value - step):
-        design = with_number(problem.design, key, moved)
-        total = build_problem(design, problem.mesh).total.at(ramp, load)
-        forces.append(total.evaluate(x, 1)[1])
-    ahead, behind = forces
-    assert ahead is not None and behind is not None  # noqa: S101  order 1 gives them
-    return float(-adjoint @ (ahead - behind) / (2.0 * step))
+@dataclass(frozen=True, eq=False)
+class _State:
+    """The last state of a run as the solver sees it."""
+
+    problem: Problem
+    system: System
+    x: Floats
+    ramp: float
+    load: float
+
+    @classmethod
+    def of(cls, problem: Problem, result: Result) -> _State:
+        x = np.concatenate([result.positions[-1].ravel(), result.scalars[-1]])
+        ramp, load = float(result.ramp[-1]), float(result.load_fraction[-1])
+        pattern = problem.total.pattern
+        linear = make_solver(pattern, result.design.solver.linear_solver)
+        held = HeldDofs.of(pattern, problem.held_dofs)
+        return cls(problem, System(problem.total.at(ramp, load), held, linear), x, ramp, load)
+
+    def adjoint(self, slope: Floats) -> Floats:
+        """λ, shape (n,)."""
+        whole = np.concatenate([slope.ravel(), np.zeros(len(self.x) - slope.size)])
+        return adjoint_state(self.system, self.x, whole, 10.0 * self.problem.residual_tolerance)
+
+    def forces(self, x: Floats) -> Floats:
+        """Forces of all terms, those at held degrees of freedom too [N], shape (n,)."""
+        _, gradient, _ = self.system.energy.evaluate(x, 1)
+        assert gradient is not None  # noqa: S101  order 1 gives it
+        return gradient
 
 
-def _by_field(problem: Problem, x: Floats, adjoint: Floats, ramp: float) -> dict[str, Floats]:
-    """−λᵀ ∂g/∂p for the fields of the model."""
-    shell = problem.model.terms[0]
-    if isinstance(shell, LaminateShell):
-        return {"eigenstrain": _laminate_eigenstrain(shell.at(ramp, 0.0), x, adjoint)}
-    stretch, bend = problem.model.terms
-    assert isinstance(stretch, EdgeStretch)  # noqa: S101  the order of published_parts
-    assert isinstance(bend, CoupledHinge)  # noqa: S101
-    mesh = problem.mesh
-    here, along = problem.positions(x), problem.positions(adjoint)
-    strain = surface.edge_strain(here, mesh.edges, mesh.edge_lengths)
-    ends, ways = here[mesh.edges], along[mesh.edges]
-    sides = ends[:, 1] - ends[:, 0]
-    lengths = np.linalg.norm(sides, axis=1)
-    turn = ((ways[:, 1] - ways[:, 0]) * sides).sum(axis=1) / (lengths * mesh.edge_lengths)
-    misfit = strain - ramp * stretch.eigenstrain
-    around = mesh.hinge_edges[:, 1:]
-    difference, moved = misfit[around] @ SIGNS, turn[around] @ SIGNS
-    angle = surface.dihedral_angles(here, mesh.hinges) - bend.coupling * difference
-    swing = _along(lambda p: surface.dihedral_angles(p, mesh.hinges), here, along)
-    swing = swing - bend.coupling * moved
-    by_hinge = -ramp * bend.stiffness * bend.coupling * swing
-    eigen = ramp * stretch.stiffness * turn
-    np.add.at(eigen, around, by_hinge[:, None] * SIGNS)
-    return {
-        "eigenstrain": eigen,
-        "stretch_stiffness": -misfit * turn,
-        "bending_stiffness": -angle * swing,
-        "coupling": bend.stiffness * (difference * swing + angle * moved),
-    }
+def _wanted(problem: Problem, fields: Collection[str] | None) -> Collection[str]:
+    """Names of the fields to return, checked."""
+    known = LAMINATE_FIELDS if problem.design.laminate else PUBLISHED_FIELDS
+    if fields is None:
+        return known
+    for name in fields:
+        if name not in known:
+            raise InputError(
+                "the model has no such field", key="fields", value=name, allowed=", ".join(known)
+            )
+    return fields
 
 
-def _laminate_eigenstrain(shell: LaminateShell, x: Floats, adjoint: Floats) -> Floats:
-    """By the free strain of every triangle, shape (T, 3)."""
-    measures = measures_at(x.reshape(-1, 3), shell.patch)
-    change = _along(
-        lambda rows: measures_at(rows, shell.patch), x.reshape(-1, 3), adjoint.reshape(-1, 3)
-    )
-    found = np.empty_like(shell.lamination.eigenstrains)
-    for component in range(3):
-        works = []
-        for sign in (1.0, -1.0):
-            strains = shell.lamination.eigenstrains.copy()
-            strains[:, component] += sign * STEP
-            rest = replace(shell.lamination, eigenstrains=strains).rest_at(shell.rest.ramp)
-            stress = np.einsum("tij,tj->ti", rest.stiffness, measures - rest.natural)
-            works.append((stress * change).sum(axis=1))
-        found[:, component] = -(works[0] - works[1]) / (2.0 * STEP)
+def _fields(
+    problem: Problem, state: _State, adjoint: Floats, slope: Floats, wanted: Collection[str]
+) -> dict[str, Floats]:
+    """The fields of the model; those that cost much only where wanted."""
+    rest = "rest_positions" in wanted
+    if problem.design.laminate:
+        found = laminate_fields(problem, state.x, adjoint, state.ramp, rest)
+    else:
+        found = published_fields(problem, state.x, adjoint, state.ramp)
+        if not LAYER_FIELDS.isdisjoint(wanted):
+            found |= layer_fields(problem, found)
+        if rest:
+            found["rest_positions"] = published_rest(problem, found)
+    if rest and len(problem.held_nodes):
+        found["rest_positions"] += _held_rest(state, adjoint, slope)
     return found
 
 
-def _along(function: Callable[[Floats], Floats], x: Floats, direction: Floats) -> Floats:
-    """Derivative of a function of positions along a direction, by a central difference."""
-    largest = float(np.abs(direction).max())
-    if largest == 0.0:
-        return np.zeros_like(function(x))
-    h = STEP * float(np.ptp(x)) / largest
-    return np.asarray((function(x + h * direction) - function(x - h * direction)) / (2.0 * h))
+def _held_rest(state: _State, adjoint: Floats, slope: Floats) -> Floats:
+    """Through the held coordinates, which stay where they were before actuation, shape (V, 3).
+
+    They follow a rest position, so dJ/dX = ∂J/∂x − H λ there.
+    """
+    largest = float(np.abs(adjoint).max())
+    h = STEP * float(np.ptp(state.x)) / largest if largest else 1.0
+    ahead, behind = (state.forces(state.x + step * adjoint) for step in (h, -h))
+    count = slope.size
+    through = slope.ravel() - (ahead - behind)[:count] / (2.0 * h)
+    through[~state.problem.held_dofs[:count]] = 0.0
+    return np.asarray(through.reshape(-1, 3))
+
+
+def _by_key(
+    state: _State,
+    key: str,
+    value: float,
+    adjoint: Floats,
+    fields: Mapping[str, Floats],
+    pattern: PatternSlopes | None,
+) -> float:
+    """By the chain rule, with central differences of what the key does to the arrays."""
+    problem = state.problem
+    table = key.split(".")[0]
+    step = STEP * (abs(value) or 1.0)
+    ahead, behind = (with_number(problem.design, key, value + s) for s in (step, -step))
+    if not _only_loads(problem, table):
+        return _by_forces(state, ahead, behind, adjoint) / (2.0 * step)
+    if table == "pattern":
+        assert pattern is not None  # noqa: S101  number_at refuses patterns with a sharp boundary
+        return pattern.along(ahead, behind, problem.mesh.size) / (2.0 * step)
+    ends = [
+        model_arrays(one, problem.mesh, _restacked(problem, one), table) for one in (ahead, behind)
+    ]
+    motion = problem.positions(adjoint)
+    weights = {**fields, "applied": state.ramp * motion, "weight": motion}
+    total = sum(float((weights[k] * (ends[0][k] - ends[1][k])).sum()) for k in ends[0])
+    return total / (2.0 * step)
+
+
+def _restacked(problem: Problem, design: Design) -> Regions:
+    """The regions of a problem with the layers of a changed design, nothing moved."""
+    cells = problem.regions.cells
+    return replace(
+        problem.regions,
+        cells=tuple(replace(cell, stack=stack_of(design, cell.parts)) for cell in cells),
+    )
+
+
+def _only_loads(problem: Problem, table: str) -> bool:
+    """True where no term beside the model and dead loads depends on the design's numbers."""
+    terms = problem.total.terms[len(problem.model.terms) :]
+    weighty = len(terms) > 1 and table == "pattern"
+    return all(isinstance(term, NodalLoad) for term in terms) and not weighty
+
+
+def _by_forces(state: _State, ahead: Design, behind: Design, adjoint: Floats) -> float:
+    """−λᵀ of the change of the forces at fixed positions, with the energy set up anew."""
+    changed = []
+    for design in (ahead, behind):
+        total = build_problem(design, state.problem.mesh).total.at(state.ramp, state.load)
+        changed.append(replace(state, system=replace(state.system, energy=total)).forces(state.x))
+    return float(-adjoint @ (changed[0] - changed[1]))
 
 
 def number_at(design: Design, key: str) -> float:
@@ -178,14 +271,30 @@ def number_at(design: Design, key: str) -> float:
         raise InputError(
             "belongs to the geometry of the sheet, whose mesh is held fixed here",
             key=key,
-            allowed="keys of layers, actuation, published, laminate, loads",
+            allowed="keys of layers, actuation, pattern, published, laminate, loads, gravity",
         )
     value: Any = design.spec
     for part in parts:
         value = _part(value, part, key)
+    if parts[0] == "pattern":
+        _check_pattern(design, key, value)
     if isinstance(value, bool) or not isinstance(value, int | float):
         raise InputError("holds no number", key=key, value=value)
     return float(value)
+
+
+def _check_pattern(design: Design, key: str, value: object) -> None:
+    """Refuse keys of a pattern with which its boundary does not move smoothly."""
+    if design.spec.mesh.pattern_smoothing is None:
+        raise InputError(
+            "moves the boundary of the pattern, which is sharp: on a mesh the shape jumps with it",
+            key=key,
+            allowed="pattern keys of designs with mesh.pattern_smoothing, such as an edge length",
+        )
+    kind = design.pattern[_index(design.pattern, key.split(".")[1])].kind
+    if kind in DISCRETE or isinstance(value, int):
+        what = "whole numbers" if isinstance(value, int) else f"the shape {kind}"
+        raise InputError(f"{what} cannot be changed a little", key=key, value=value)
 
 
 def with_number(design: Design, key: str, value: float) -> Design:
@@ -198,7 +307,9 @@ def with_number(design: Design, key: str, value: float) -> Design:
         if isinstance(table, tuple):
             index = _index(table, parts[0])
             return (*table[:index], inner, *table[index + 1 :])
-        return table.model_copy(update={parts[0]: inner})
+        copied = table.model_copy(update={parts[0]: inner})
+        copied.__dict__.pop("layout", None)  # drawn anew where the pattern moves
+        return copied
 
     return replace(design, spec=changed(design.spec, key.split(".")))
 
