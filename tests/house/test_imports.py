@@ -40,6 +40,10 @@ MAY_IMPORT: dict[str, set[str]] = {
         "branches",
     },
     "fabricate": {"core", "geometry", "drawing", "design"},
+    "studio": {
+        *STUDY,
+        *("drawing", "study", "branches", "show", "fabricate"),
+    },
     "cli": {
         *STUDY,
         *(
@@ -52,6 +56,7 @@ MAY_IMPORT: dict[str, set[str]] = {
             "branches",
             "show",
             "fabricate",
+            "studio",
         ),
     },
 }

@@ -18,6 +18,7 @@ from sheetmorph.cli.new import new
 from sheetmorph.cli.paper import paper
 from sheetmorph.cli.plot import plot
 from sheetmorph.cli.run import run
+from sheetmorph.cli.studio import studio
 from sheetmorph.cli.sweep import sweep
 from sheetmorph.cli.verify import verify
 from sheetmorph.core.errors import SheetmorphError
@@ -35,12 +36,13 @@ def cli() -> None:
       sheetmorph run bowl.toml -o bowl      compute it, with pictures and a report
       sheetmorph fabricate bowl.toml        write the files to print, cut and glue it
       sheetmorph compare bowl scan.stl      measure it against a scan of the real thing
+      sheetmorph studio                     design by eye, in the browser
     """
 
 
 for _command in (
     *(new, check, run, compare, history, calibrate, fabricate, material, paper, verify),
-    *(branches, sweep, plot),
+    *(branches, sweep, plot, studio),
 ):
     cli.add_command(_command)
 

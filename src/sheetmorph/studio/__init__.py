@@ -1,0 +1,1 @@
+"""The studio: a local web page on which a sheet is designed by eye."""

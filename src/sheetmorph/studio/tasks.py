@@ -1,0 +1,125 @@
+"""What a worker of the studio can do: each task takes a job from the server and answers it."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from pathlib import Path
+from time import perf_counter
+from typing import Any
+
+from sheetmorph.design.spec import Design
+from sheetmorph.geometry.mesh import SheetMesh
+from sheetmorph.studio.panel import panel
+from sheetmorph.studio.plan import plan
+from sheetmorph.studio.worker import Desk
+
+PREVIEW_NODES = 260
+"""About how many nodes a preview has."""
+KEPT_MESHES = 4
+
+
+@dataclass
+class Memory:
+    """What a worker keeps between jobs: meshes, by the part of the design that makes them."""
+
+    meshes: dict[str, SheetMesh] = field(default_factory=dict)
+
+    def clear(self) -> None:
+        """Forget all."""
+        self.meshes.clear()
+
+    def mesh(self, design: Design) -> SheetMesh:
+        """The mesh of a design, built only when its plan or its mesh has changed."""
+        key = mesh_key(design)
+        found = self.meshes.pop(key, None) or design.build_mesh()
+        self.meshes[key] = found
+        while len(self.meshes) > KEPT_MESHES:
+            del self.meshes[next(iter(self.meshes))]
+        return found
+
+
+def mesh_key(design: Design) -> str:
+    """A text that is the same for designs with the same mesh."""
+    path = design.resolve_mesh_path()
+    stamp = "" if path is None else f"{path}:{path.stat().st_mtime_ns}"
+    layout = design.layout
+    parts = [layout.sheet.wkb_hex, layout.slits.wkb_hex]
+    parts += [f"{name}:{part.wkb_hex}" for name, part in layout.parts.items()]
+    table = design.spec.mesh.model_dump_json()
+    return "|".join([*parts, table, str(design.spec.published.hinge_orientation), stamp])
+
+
+def designed(job: dict[str, Any]) -> Design:
+    """The design of a job: a text, changed values, and the folder of the files it names."""
+    folder = Path(job["folder"]) if job.get("folder") else None
+    design = Design.from_toml(job["text"], folder)
+    values = job.get("values") or {}
+    return design.with_values(values) if values else design
+
+
+def show_design(job: dict[str, Any], desk: Desk, memory: Memory) -> None:
+    """Check a design, draw its plan, and solve it: coarsely, fully, or both."""
+    began = perf_counter()
+    design = designed(job)
+    desk.answer(
+        "design",
+        {
+            "text": design.to_toml(),
+            "name": design.name,
+            "plan": plan(design),
+            "panel": panel(design) if job.get("panel", True) else None,
+            "notes": list(design.notes),
+            "commit": bool(job.get("commit")),
+            "direction": design.perturbation.direction,
+        },
+    )
+    for level in job["levels"]:
+        _solve(design, level == "preview", desk, memory, began)
+
+
+def _solve(design: Design, preview: bool, desk: Desk, memory: Memory, began: float) -> None:
+    from sheetmorph.design.check import describe
+    from sheetmorph.studio.scene import scene
+    from sheetmorph.study.simulate import simulate
+
+    shown = coarse(design) if preview else design
+    desk.check()
+    mesh = memory.mesh(shown)
+    desk.check()
+    result = simulate(shown, mesh=mesh, on_event=desk.listen)
+    head, arrays = scene(result, preview=preview)
+    head["numbers"]["seconds"] = perf_counter() - began
+    head["warnings"] = [] if preview else describe(design, mesh)["warnings"]
+    desk.answer("scene", head, arrays)
+
+
+def coarse(design: Design) -> Design:
+    """The design with a mesh that is solved in a moment; itself where its mesh is coarse enough."""
+    size = design.spec.mesh.size
+    if size is None:
+        return design
+    low_x, low_y, high_x, high_y = design.layout.sheet.bounds
+    wanted = math.sqrt(design.layout.sheet.area / PREVIEW_NODES / (math.sqrt(3) / 2))
+    wanted = min(wanted, 0.45 * min(high_x - low_x, high_y - low_y))
+    if wanted <= 1.15 * size:
+        return design
+    values: dict[str, object] = {"mesh.size": f"{1e3 * wanted:.4g} mm"}
+    if design.spec.mesh.boundary_size is not None:
+        share = design.spec.mesh.boundary_size / size
+        values["mesh.boundary_size"] = f"{1e3 * wanted * share:.4g} mm"
+    return design.with_values(values)
+
+
+def warm_up() -> None:
+    """Load and compile what a first solve needs, so that it is not the slowest."""
+    from sheetmorph.design.presets import preset_text
+
+    desk = Desk(0, lambda packet: None, lambda: False)
+    job = {"text": preset_text("blank"), "levels": ["preview"]}
+    show_design(job, desk, Memory())
+
+
+TASKS: dict[str, Callable[[dict[str, Any], Desk, Memory], None]] = {"design": show_design}
+"""The tasks by their names in jobs."""
