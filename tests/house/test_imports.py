@@ -26,6 +26,7 @@ MAY_IMPORT: dict[str, set[str]] = {
     "twin": {"core", "geometry", "design", "solve", "study"},
     "sweep": {"core", "geometry", "design", "study"},
     "branches": {"core", "geometry", "design", "solve", "study"},
+    "inverse": {"core", "geometry", "compare", "design", "study", "sweep"},
     "show": {
         "core",
         "geometry",
@@ -38,6 +39,7 @@ MAY_IMPORT: dict[str, set[str]] = {
         "proofs",
         "sweep",
         "branches",
+        "inverse",
     },
     "fabricate": {"core", "geometry", "drawing", "design"},
     "studio": {
@@ -54,6 +56,7 @@ MAY_IMPORT: dict[str, set[str]] = {
             "twin",
             "sweep",
             "branches",
+            "inverse",
             "show",
             "fabricate",
             "studio",

@@ -11,6 +11,7 @@ from sheetmorph.cli.branches import branches
 from sheetmorph.cli.calibrate import calibrate
 from sheetmorph.cli.check import check
 from sheetmorph.cli.compare import compare
+from sheetmorph.cli.design import design
 from sheetmorph.cli.fabricate import fabricate
 from sheetmorph.cli.history import history
 from sheetmorph.cli.material import material
@@ -42,7 +43,7 @@ def cli() -> None:
 
 for _command in (
     *(new, check, run, compare, history, calibrate, fabricate, material, paper, verify),
-    *(branches, sweep, plot, studio),
+    *(branches, sweep, plot, design, studio),
 ):
     cli.add_command(_command)
 

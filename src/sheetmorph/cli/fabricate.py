@@ -181,16 +181,23 @@ def _by_their_options() -> Iterator[None]:
 def _predicted(design: Design, folder: str | None, listener: Listener) -> Prediction:
     """The shape that the design takes: computed, or from a run of the same design."""
     from sheetmorph.fabricate.options import Prediction
-    from sheetmorph.show.pictures import shape_png
 
     try:
         result = _result_of(design, folder, listener)
     except ComputationError as error:
         return Prediction(0.0, 0.0, 0.0, 0.0, "failed", False, None, str(error))
-    summary = result.summary
-    width, depth, height = summary["bbox_m"]
     if result.status == "interrupted":
         raise click.exceptions.Abort("interrupted; nothing was written")
+    return prediction_of(result)
+
+
+def prediction_of(result: Result) -> Prediction:
+    """The shape of a run, as the assembly sheet shows it."""
+    from sheetmorph.fabricate.options import Prediction
+    from sheetmorph.show.pictures import shape_png
+
+    summary = result.summary
+    width, depth, height = summary["bbox_m"]
     done = result.status == "completed"
     reached = 100 * summary["actuation_reached"]
     return Prediction(

@@ -1,0 +1,1 @@
+"""From a wanted shape to the design that takes it."""

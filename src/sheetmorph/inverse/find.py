@@ -1,0 +1,248 @@
+"""From a target to a design: the search through families of designs."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from collections.abc import Callable, Mapping
+from dataclasses import asdict, dataclass, field
+from pathlib import Path
+from time import perf_counter
+
+from sheetmorph.core.errors import ComputationError, InputError
+from sheetmorph.core.events import Listener, Notice, Progress, Started, silent
+from sheetmorph.design.spec import Design
+from sheetmorph.inverse.evaluations import Evaluations, workers
+from sheetmorph.inverse.families import Space, find_family, space_of
+from sheetmorph.inverse.journal import Journal
+from sheetmorph.inverse.limits import Limits, measured
+from sheetmorph.inverse.misfit import (
+    THOROUGH,
+    Evaluation,
+    Job,
+    Laid,
+    Measure,
+    lay,
+    pose_of,
+    shape_of,
+)
+from sheetmorph.inverse.result import Found, Step
+from sheetmorph.inverse.search_global import evolve
+from sheetmorph.inverse.search_local import descend
+from sheetmorph.inverse.targets import Target
+from sheetmorph.study.result import Result
+from sheetmorph.study.simulate import simulate
+
+MOST_WORKERS = 1024
+Better = Callable[[Design, Evaluation, tuple[Step, ...]], None]
+"""Told of every design that is better than all before, and of those before it."""
+
+
+@dataclass(frozen=True)
+class SearchOptions:
+    """How a design is sought.
+
+    Attributes:
+        families: names of the families; the best of them wins.
+        limits: of fabrication.
+        budget: designs of each family on coarse meshes.
+        descents: of the best of them that are followed down on their own meshes.
+        sheet: size of the sheet [m]; then the target may be scaled freely. None: the target
+            has its size, and the sheet follows from it.
+        fixed: parameters that do not vary, by name.
+        overrides: keys that every design has, as for `Design.with_values`.
+        seed: of the random numbers.
+
+    Raises:
+        InputError: a number is out of range.
+    """
+
+    families: tuple[str, ...] = ("star",)
+    limits: Limits = field(default_factory=Limits)
+    budget: int = 240
+    descents: int = 2
+    sheet: float | None = None
+    fixed: Mapping[str, float] = field(default_factory=dict)
+    overrides: Mapping[str, object] = field(default_factory=dict)
+    seed: int = 0
+
+    def __post_init__(self) -> None:
+        for name, low, high in (
+            ("budget", 1, 100_000),
+            ("descents", 0, 20),
+            ("seed", 0, 2**31),
+            ("sheet", 5e-3, 3.0),
+        ):
+            value = getattr(self, name)
+            if value is not None and not low <= value <= high:
+                raise InputError(
+                    "is out of range", key=name, value=value, allowed=f"{low:g} to {high:g}"
+                )
+
+
+def find_design(
+    target: Target,
+    options: SearchOptions | None = None,
+    *,
+    journal: Path | None = None,
+    resume: bool = False,
+    processes: int = 1,
+    scheduler: str | None = None,
+    on_event: Listener = silent,
+    on_better: Better = lambda design, found, steps: None,
+) -> Found:
+    """Find the design of some families whose shape comes closest to a target.
+
+    First an evolution over each family, whole numbers among its parameters, on coarse meshes;
+    then least squares from the best, on the designs' own meshes.
+
+    Args:
+        target: the wanted shape.
+        options: how to search.
+        journal: keeps every design as it is measured; nothing is kept when None.
+        resume: go on with a search that was cut off.
+        processes: that simulate side by side.
+        scheduler: address of a Dask scheduler to use in their place.
+        on_event: told of the progress.
+        on_better: told of every design that is better than all before.
+
+    Raises:
+        InputError: an option is not allowed, or the journal is of another search.
+        OutputError: the journal cannot be written.
+        ComputationError: no design reached its end, or the scheduler is lost.
+        KeyboardInterrupt: interrupted; the journal holds what was measured.
+    """
+    began = perf_counter()
+    chosen = options or SearchOptions()
+    spaces = {name: _space(name, target, chosen) for name in chosen.families}
+    on_event(Started(f"{target.name}: {', '.join(spaces)}"))
+    kept = Journal(journal, fingerprint_of(target, chosen), resume=resume)
+    measure = Measure(target.surface, spaces, None if chosen.sheet is not None else 1.0)
+    watch = _Watch(spaces, chosen, on_event, on_better)
+    with workers(processes, scheduler, on_event) as client:
+        evaluations = Evaluations(measure, kept, client=client, on_new=watch)
+        rough = [
+            one
+            for name, space in spaces.items()
+            for one in evolve(evaluations, space, chosen.budget, chosen.seed)[: chosen.descents]
+        ]
+        rough.sort(key=lambda one: (one.misfit, one.family, one.point))
+        watch.begin_fine()
+        fine = [
+            descend(evaluations, spaces[one.family], one)
+            for one in _unlike(rough, spaces)[: max(1, chosen.descents)]
+            if one.completed
+        ]
+    if not fine:
+        raise ComputationError(
+            "no design of the family reached its end; try another family, or other bounds by --fix"
+        )
+    best = min(fine, key=lambda one: (one.misfit, one.family, one.point))
+    on_event(Progress(0.95, "computing the design"))
+    space = spaces[best.family]
+    design = space.design(best.point, _name(target, best.family))
+    result = simulate(design, on_event=lambda event: None)
+    laid = laid_best(target, result, measure.scale, best)
+    known = kept.known.values()
+    return Found(
+        target=target,
+        family=best.family,
+        values=space.values(best.point),
+        design=design,
+        result=result,
+        laid=laid,
+        made=measured(design, chosen.limits),
+        limits=chosen.limits,
+        steps=tuple(watch.steps),
+        evaluations=len(known),
+        fresh=evaluations.fresh,
+        failed=sum(not one.completed for one in known),
+        seconds=perf_counter() - began,
+        notes=target.notes,
+    )
+
+
+def laid_best(target: Target, result: Result, scale: float | None, best: Evaluation) -> Laid:
+    """The target laid on a run, from the pose that is known and from all others."""
+    shape = shape_of(result)
+    near = pose_of(best.pose) if best.pose else None
+    tries = [lay(target.surface, shape, scale, pose, THOROUGH) for pose in {near, None}]
+    return min(tries, key=lambda one: one.distance)
+
+
+def fingerprint_of(target: Target, options: SearchOptions) -> str:
+    """Of all that decides on the course of a search."""
+    surface = target.surface
+    content = hashlib.sha256(surface.points.tobytes() + surface.triangles.tobytes())
+    content.update(json.dumps(asdict(options), sort_keys=True, default=str).encode())
+    return content.hexdigest()
+
+
+def _space(name: str, target: Target, options: SearchOptions) -> Space:
+    return space_of(
+        find_family(name),
+        target.width,
+        options.limits,
+        sheet=options.sheet,
+        fixed=options.fixed,
+        overrides=options.overrides,
+    )
+
+
+def _name(target: Target, family: str) -> str:
+    words = f"{target.name} {family}"
+    return "".join(c if c.isalnum() or c in " ._+-" else "-" for c in words)[:100].lstrip(" ._+-")
+
+
+def _unlike(sorted_best: list[Evaluation], spaces: Mapping[str, Space]) -> list[Evaluation]:
+    """The best without those of the same whole numbers and family as a better one, those last."""
+    seen: set[tuple[object, ...]] = set()
+    first: list[Evaluation] = []
+    later: list[Evaluation] = []
+    for one in sorted_best:
+        parameters = spaces[one.family].parameters
+        pairs = zip(parameters, one.point, strict=True)
+        kind = (one.family, *(value for parameter, value in pairs if parameter.whole))
+        (later if kind in seen else first).append(one)
+        seen.add(kind)
+    return first + later
+
+
+class _Watch:
+    """Tells of the progress, and remembers how the best became better."""
+
+    def __init__(
+        self,
+        spaces: Mapping[str, Space],
+        options: SearchOptions,
+        on_event: Listener,
+        on_better: Better,
+    ) -> None:
+        self._spaces, self._on_event, self._on_better = spaces, on_event, on_better
+        rough = options.budget * len(spaces)
+        self._expected = rough + options.descents * 60
+        self._fine, self._best = False, float("inf")
+        self.count = 0
+        self.steps: list[Step] = []
+
+    def begin_fine(self) -> None:
+        """Coarse meshes deceive a little: what counts from now on is measured on fine ones."""
+        self._fine, self._best = True, float("inf")
+
+    def __call__(self, job: Job, found: Evaluation) -> None:
+        self.count += 1
+        if found.completed and found.misfit < self._best:
+            self._best = found.misfit
+            stage = "fine" if self._fine else "coarse"
+            self.steps.append(Step(self.count, found.misfit, f"{job.family}, {stage}"))
+            design = self._spaces[job.family].design(job.point, "best so far", coarse=job.coarse)
+            self._on_event(
+                Notice(
+                    f"{self.count} designs: {100 * found.misfit:.2f} %, {job.family}, {stage} mesh"
+                )
+            )
+            self._on_better(design, found, tuple(self.steps))
+        share = min(0.94, 0.94 * self.count / self._expected)
+        where = "own mesh" if self._fine else "coarse mesh"
+        best = f"{100 * self._best:.2f} %" if self._best < 1.0 else "none yet"
+        self._on_event(Progress(share, f"{job.family}, {where}: {self.count} designs, best {best}"))
