@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -10,13 +10,14 @@ from numpy.typing import NDArray
 from sheetmorph.core.errors import InputError
 from sheetmorph.design.distance import distance_to_boundary
 from sheetmorph.design.radial import LEAST, MOST, load_radial
+from sheetmorph.design.strain_field import load_field
 from sheetmorph.geometry.mesh import Floats, SheetMesh
 
 if TYPE_CHECKING:
     from shapely.geometry.base import BaseGeometry
 
     from sheetmorph.design.regions import Regions
-    from sheetmorph.design.smoothing import SmoothPattern
+    from sheetmorph.design.smoothing import Cover, SmoothPattern
     from sheetmorph.design.spec import Design
 
 NO_DIRECTION = 1e-9
@@ -106,18 +107,20 @@ def thermal_strain(design: Design, mesh: SheetMesh, region: Regions) -> Floats:
     """Eigenstrain of the edges at full actuation, shape (E,).
 
     Published model: zero in the pattern, and outside it the free strain `design.eps_pre`
-    times the profile; without a pattern the whole sheet has the free strain. Laminate model:
-    that of the triangles beside each edge, see `triangle_eigenstrain`.
+    times the profile; without a pattern the whole sheet has the free strain. Laminate model, and
+    a field: that of the triangles beside each edge, see `triangle_eigenstrain`.
 
     Raises:
         InputError: as for `edge_distance` and `triangle_eigenstrain`.
     """
-    if design.laminate:
+    if design.laminate or design.actuation.profile == "field":
         return edge_eigenstrain(mesh, triangle_eigenstrain(design, mesh, region))
     if not design.pattern:
         return np.full(len(mesh.edges), design.eps_pre)
     if region.smooth is not None:
-        return np.asarray(design.eps_pre * _smooth_share(design, region.smooth, "edges"))
+        return np.asarray(
+            design.eps_pre * _smooth_share(design, region.smooth, region.smooth.edges)
+        )
     distances, farthest = edge_distance(design, mesh, region)
     share = profile(distances / farthest, design.actuation.profile, design.actuation.gamma)
     return np.where(region.edge_in_pattern, 0.0, design.eps_pre * share)
@@ -138,7 +141,7 @@ def triangle_share(design: Design, mesh: SheetMesh, region: Regions) -> Floats:
     if options.whole_sheet or not covered.any() or design.eps_pre == 0.0:
         return np.ones(len(mesh.triangles))
     if region.smooth is not None:
-        share = _smooth_share(design, region.smooth, "triangles")
+        share = _smooth_share(design, region.smooth, region.smooth.triangles)
         return np.asarray(options.under_pattern + (1.0 - options.under_pattern) * share)
     inside = covered[region.triangle_cell]
     _, farthest = edge_distance(design, mesh, region)
@@ -149,13 +152,11 @@ def triangle_share(design: Design, mesh: SheetMesh, region: Regions) -> Floats:
     return np.asarray(options.under_pattern + (1.0 - options.under_pattern) * share)
 
 
-def _smooth_share(
-    design: Design, smooth: SmoothPattern, places: Literal["edges", "triangles"]
-) -> Floats:
-    """The profile where no inert part covers the sheet, tapering off where one begins."""
-    open_share, fraction = smooth.free(getattr(smooth, places))
+def _smooth_share(design: Design, smooth: SmoothPattern, cover: Cover) -> Floats:
+    """The profile of the blended distance where no inert part covers the sheet, shape (N,)."""
     options = design.actuation
-    return np.asarray(open_share * profile(fraction, options.profile, options.gamma))
+    share = profile(cover.away / smooth.farthest, options.profile, options.gamma)
+    return np.asarray((1.0 - cover.covered) * share)
 
 
 def triangle_eigenstrain(design: Design, mesh: SheetMesh, region: Regions) -> Floats:
@@ -176,6 +177,9 @@ def triangle_eigenstrain(design: Design, mesh: SheetMesh, region: Regions) -> Fl
         radius = np.linalg.norm(mesh.triangle_centroids - options.centre, axis=1)
         radial, hoop = load_radial(design).at(radius)
         along, across = design.eps_pre * radial, design.eps_pre * hoop
+    elif options.profile == "field":
+        along = design.eps_pre * load_field(design).at(mesh.triangle_centroids[:, :2])
+        across = along
     else:
         along = design.eps_pre * triangle_share(design, mesh, region)
         across = options.transverse * along

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import reduce
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
 from sheetmorph.core.errors import InputError
 from sheetmorph.design.boundary import Boundary
@@ -17,77 +18,79 @@ if TYPE_CHECKING:
     from sheetmorph.design.spec import Design
 
 SOFTNESS = 0.25
-"""Widths, as fractions of the smoothing, over which a sign turns and a maximum is blended."""
+"""Ranges over which a sign turns and a maximum is blended, in widths of the smoothing."""
+
+
+@dataclass(frozen=True, eq=False)
+class Cover:
+    """How the pattern covers N places.
+
+    Attributes:
+        parts: indicator χ of each part, see `Boundary.share`, shape (P, N).
+        covered: that of all inert parts together, shape (N,).
+        away: blended distance from their boundary, see `Boundary.away` [m], shape (N,).
+    """
+
+    parts: Floats
+    covered: Floats
+    away: Floats
+
+    @property
+    def signed(self) -> Floats:
+        """Distance from the inert parts, negative in them [m], shape (N,)."""
+        return np.asarray((1.0 - 2.0 * self.covered) * self.away)
 
 
 @dataclass(frozen=True, eq=False)
 class SmoothPattern:
-    """Signed distances from the parts of a pattern, and what follows from them smoothly.
+    """How smeared parts of a pattern cover a mesh.
 
-    A part has the indicator χ(d) of the signed distance d from its boundary as drawn: 1 at
-    d ≤ −w/2, 0 at d ≥ w/2, a polynomial of degree five between, twice continuously differentiable.
-    Layers taper off with it: at any place a layer of the part is χ times as thick.
+    Layers taper off with the indicator: at any place a layer of a part is χ times as thick.
 
     Attributes:
-        width: w [m].
+        width: over which χ goes from 0 to 1 [m].
         names: of the P parts.
-        inert: True for parts with an inert layer, shape (P,).
-        edges: signed distances of the midpoints of the edges [m], shape (P, E).
-        triangles: of the centroids of the triangles, shape (P, T).
-        nodes: of the nodes, shape (P, V).
+        edges: at the midpoints of the edges.
+        triangles: at the centroids of the triangles.
+        nodes: at the nodes.
         farthest: greatest distance of a node from the inert parts [m], blended.
     """
 
     width: float
     names: tuple[str, ...]
-    inert: NDArray[np.bool_]
-    edges: Floats
-    triangles: Floats
-    nodes: Floats
+    edges: Cover
+    triangles: Cover
+    nodes: Cover
     farthest: float
 
-    def share(self, distances: Floats) -> Floats:
-        """χ at signed distances [m] of any shape."""
-        return smooth_step(0.5 - distances / self.width)
-
-    def nearest(self, distances: Floats) -> Floats:
-        """Signed distance from the union of the inert parts [m], shape (N,).
-
-        Args:
-            distances: from each part [m], shape (P, N).
-        """
-        return np.asarray(distances[self.inert].min(axis=0))
-
-    def free(self, distances: Floats) -> tuple[Floats, Floats]:
-        """Share that no inert part covers, and fraction of the greatest distance, (N,) each.
-
-        The distance in the fraction is ∫ (1 − χ) dd: zero within the parts, d outside them.
-
-        Args:
-            distances: from each part [m], shape (P, N).
-        """
-        away = self.nearest(distances)
-        return 1.0 - self.share(away), smooth_distance(away, self.width) / self.farthest
-
-    def layer_shares(self, design: Design, distances: Floats) -> Floats:
-        """By which each layer's thickness is multiplied at N places, shape (layers, N).
-
-        Args:
-            design: the design.
-            distances: from each part [m], shape (P, N).
-        """
-        shares = dict(zip(self.names, self.share(distances), strict=True))
-        ones = np.ones(distances.shape[1])
+    def layer_shares(self, design: Design, cover: Cover) -> Floats:
+        """By which each layer's thickness is multiplied at N places, shape (layers, N)."""
+        shares = dict(zip(self.names, cover.parts, strict=True))
+        ones = np.ones(len(cover.covered))
         return np.stack(
             [ones if layer.where == EVERYWHERE else shares[layer.where] for layer in design.layers]
         )
 
     def hinge_side(self, mesh: SheetMesh) -> Floats:
-        """In (−1, 1): 1 where node c of a hinge lies farther from the pattern than d, (H,)."""
-        away = self.nodes.min(axis=0)
+        """In [−1, 1]: 1 where node c of a hinge lies farther from the pattern than d, (H,)."""
+        away = self.nodes.signed
         return smooth_sign(
             (away[mesh.hinges[:, 2]] - away[mesh.hinges[:, 3]]) / (SOFTNESS * self.width)
         )
+
+
+def smooth_boundaries(design: Design) -> tuple[Mapping[str, Boundary], Boundary]:
+    """The boundaries of the parts of a pattern as drawn, and that of the inert ones together.
+
+    Without an inert part the latter is that of all parts; nothing depends on it then.
+    """
+    drawn = design.layout.drawn
+    parts = {name: Boundary.of(area) for name, area in drawn.items()}
+    inert = {layer.where for layer in design.layers if layer.role == "inert"}
+    names = [name for name in drawn if name in inert] or list(drawn)
+    if len(names) == 1:
+        return parts, parts[names[0]]
+    return parts, Boundary.of(reduce(lambda a, b: a | b, (drawn[name] for name in names)))
 
 
 def smooth_pattern(design: Design, mesh: SheetMesh) -> SmoothPattern | None:
@@ -99,49 +102,39 @@ def smooth_pattern(design: Design, mesh: SheetMesh) -> SmoothPattern | None:
     width = design.spec.mesh.pattern_smoothing
     if width is None:
         return None
-    drawn = design.layout.drawn
-    boundaries = [Boundary.of(area) for area in drawn.values()]
-    inert = {layer.where for layer in design.layers if layer.role == "inert"}
-    covers = np.array([name in inert for name in drawn], dtype=np.bool_)
-    nodes = np.stack([edge.distance(mesh.nodes[:, :2]) for edge in boundaries])
-    farthest = 1.0
-    if covers.any():
-        farthest, _ = blended_maximum(nodes[covers].min(axis=0), mesh.node_areas, width)
-        if farthest <= 0.0:
-            raise InputError("the pattern covers the whole mesh, so nothing can shrink")
+    parts, whole = smooth_boundaries(design)
+
+    def cover(points: Floats) -> Cover:
+        plane = np.ascontiguousarray(points[:, :2])
+        rows = {name: edge.share(plane, width) for name, edge in parts.items()}
+        alike = [name for name, edge in parts.items() if edge is whole]
+        covered = rows[alike[0]] if alike else whole.share(plane, width)
+        return Cover(np.stack(list(rows.values())), covered, whole.away(plane, width))
+
+    nodes = cover(mesh.nodes)
+    farthest, _ = blended_maximum(nodes.signed, mesh.node_areas, width)
+    if farthest <= 0.0:
+        raise InputError("the pattern covers the whole mesh, so nothing can shrink")
     return SmoothPattern(
         width=width,
-        names=tuple(drawn),
-        inert=covers,
-        edges=np.stack([edge.distance(mesh.edge_midpoints) for edge in boundaries]),
-        triangles=np.stack([edge.distance(mesh.triangle_centroids) for edge in boundaries]),
+        names=tuple(parts),
+        edges=cover(mesh.edge_midpoints),
+        triangles=cover(mesh.triangle_centroids),
         nodes=nodes,
         farthest=farthest,
     )
 
 
-def smooth_step(u: Floats) -> Floats:
-    """10 u³ − 15 u⁴ + 6 u⁵ between u = 0 and 1, constant beyond."""
-    u = np.clip(u, 0.0, 1.0)
-    return np.asarray(u**3 * (10.0 - u * (15.0 - 6.0 * u)))
-
-
 def smooth_sign(u: Floats) -> Floats:
-    """From −1 at u ≤ −1 to 1 at u ≥ 1, by `smooth_step`."""
-    return np.asarray(2.0 * smooth_step(0.5 * (u + 1.0)) - 1.0)
+    """From −1 at u ≤ −1 to 1 at u ≥ 1, a polynomial of degree five between."""
+    u = np.clip(u, -1.0, 1.0)
+    return np.asarray(u * (15.0 - u * u * (10.0 - 3.0 * u * u)) / 8.0)
 
 
 def smooth_sign_slope(u: Floats) -> Floats:
     """Derivative of `smooth_sign`."""
-    v = np.clip(0.5 * (u + 1.0), 0.0, 1.0)
-    return np.asarray(30.0 * (v * (1.0 - v)) ** 2)
-
-
-def smooth_distance(distance: Floats, width: float) -> Floats:
-    """∫ (1 − χ) dd [m]: 0 at d ≤ −w/2, d at d ≥ w/2."""
-    v = np.clip(distance / width + 0.5, 0.0, 1.0)
-    bent = width * v**4 * (2.5 - v * (3.0 - v))
-    return np.asarray(np.where(distance > 0.5 * width, distance, bent))
+    u = np.clip(u, -1.0, 1.0)
+    return np.asarray(15.0 / 8.0 * (1.0 - u * u) ** 2)
 
 
 def blended_maximum(values: Floats, areas: Floats, width: float) -> tuple[float, Floats]:

@@ -12,8 +12,10 @@ from sheetmorph.design.meshing import hinge_orientation
 from sheetmorph.design.regions import Regions, hinge_face
 from sheetmorph.design.smoothing import (
     SOFTNESS,
+    Cover,
     SmoothPattern,
     blended_maximum,
+    smooth_boundaries,
     smooth_sign_slope,
 )
 from sheetmorph.design.spec import Design
@@ -22,26 +24,28 @@ from sheetmorph.study.model import Problem
 from sheetmorph.study.parameters import model_arrays
 
 STEP = 1e-5
-"""Of central differences of arrays by distances, in widths of the smoothing."""
+"""Of central differences of arrays, in indicators and in widths of the smoothing."""
 JUMP = 1e-3
 """Corners that move farther than this for a small step, in sizes of the sheet, are others."""
+TOGETHER = "*"
+"""Name of all inert parts together, where there are several."""
 
 
 @dataclass(frozen=True, eq=False)
-class ByDistance:
-    """Derivatives by the signed distances of a smeared pattern, P parts.
+class _Felt:
+    """How a function feels a boundary at N places.
 
     Attributes:
-        places: midpoints of the edges (published model) or centroids of the triangles [m], (N, 2).
-        at_places: by their distances from each part, shape (P, N).
-        nodes: plan of the nodes [m], shape (V, 2).
-        at_nodes: by their distances from each part, shape (P, V).
+        name: of the boundary.
+        points: the places [m], shape (N, 2).
+        by_share: derivatives by its indicator there, shape (N,).
+        by_away: by the distance from it, shape (N,).
     """
 
-    places: Floats
-    at_places: Floats
-    nodes: Floats
-    at_nodes: Floats
+    name: str
+    points: Floats
+    by_share: Floats
+    by_away: Floats
 
 
 @dataclass(frozen=True, eq=False)
@@ -49,39 +53,36 @@ class PatternSlopes:
     """Derivatives by the corners of the drawn parts of a pattern.
 
     Attributes:
-        boundaries: of the parts.
-        by_distance: derivatives by distances, in the order of the parts.
-        by_corner: derivatives by the corners of each boundary, shape (M, 2).
+        boundaries: of the parts; of all inert ones together under `TOGETHER` if they are several.
+        by_corner: derivatives by the corners of each, shape (M, 2).
+        width: of the smoothing [m].
+        felt: what they come from.
     """
 
     boundaries: Mapping[str, Boundary]
-    by_distance: ByDistance
     by_corner: Mapping[str, Floats]
+    width: float
+    felt: tuple[_Felt, ...]
 
     @classmethod
     def of(cls, problem: Problem, fields: Mapping[str, Floats]) -> PatternSlopes:
         """Carry derivatives by the fields of the model on to the corners of the pattern."""
         smooth = problem.regions.smooth
         assert smooth is not None  # noqa: S101  the caller has made sure
-        drawn = problem.design.layout.drawn
-        boundaries = {name: Boundary.of(area) for name, area in drawn.items()}
-        by_distance = _by_distance(problem, smooth, fields)
-        by_corner = {}
-        for row, (name, edge) in enumerate(boundaries.items()):
-            count = len(edge.corners)
-            found = np.zeros((count, 2))
-            for points, weights in (
-                (by_distance.places, by_distance.at_places[row]),
-                (by_distance.nodes, by_distance.at_nodes[row]),
-            ):
-                used = np.flatnonzero(weights)
-                if len(used):
-                    found += edge.nearest(points[used]).onto_corners(weights[used], count)
-            by_corner[name] = found
-        return cls(boundaries, by_distance, by_corner)
+        boundaries = _boundaries(problem.design)
+        felt = _felt(problem, smooth, fields)
+        by_corner = {name: np.zeros_like(edge.corners) for name, edge in boundaries.items()}
+        for one in felt:
+            by_corner[one.name] += boundaries[one.name].onto_corners(
+                one.points, one.by_share, one.by_away, smooth.width
+            )
+        return cls(boundaries, by_corner, smooth.width, felt)
 
-    def along(self, ahead: Design, behind: Design, size: float) -> float:
+    def between(self, ahead: Design, behind: Design, size: float) -> float:
         """Change of the function between two designs whose pattern differs a little.
+
+        Corners are followed where both boundaries have the same ones; where a corner comes or
+        goes, indicators and distances are computed anew.
 
         Args:
             ahead: a step further.
@@ -89,19 +90,22 @@ class PatternSlopes:
             size: of the sheet [m].
         """
         total = 0.0
-        for row, (name, edge) in enumerate(self.boundaries.items()):
-            ends = [Boundary.of(one.layout.drawn[name]) for one in (ahead, behind)]
-            if all(_same_corners(edge, end, size) for end in ends):
-                moved = ends[0].corners - ends[1].corners
-                total += float((self.by_corner[name] * moved).sum())
+        pairs = [_boundaries(one) for one in (ahead, behind)]
+        for name, edge in self.boundaries.items():
+            far, near = (pair[name] for pair in pairs)
+            if _same_corners(edge, far, size) and _same_corners(edge, near, size):
+                total += float((self.by_corner[name] * (far.corners - near.corners)).sum())
                 continue
-            by = self.by_distance
-            for points, weights in ((by.places, by.at_places[row]), (by.nodes, by.at_nodes[row])):
-                used = np.flatnonzero(weights)
-                if len(used):
-                    far, near = (end.distance(points[used]) for end in ends)
-                    total += float(weights[used] @ (far - near))
+            for one in self.felt:
+                if one.name == name:
+                    total += _change(one, far, near, self.width)
         return total
+
+
+def _boundaries(design: Design) -> dict[str, Boundary]:
+    parts, whole = smooth_boundaries(design)
+    alone = any(edge is whole for edge in parts.values())
+    return {**parts} if alone else {**parts, TOGETHER: whole}
 
 
 def _same_corners(edge: Boundary, other: Boundary, size: float) -> bool:
@@ -111,44 +115,81 @@ def _same_corners(edge: Boundary, other: Boundary, size: float) -> bool:
     return bool(np.abs(other.corners - edge.corners).max() < JUMP * size)
 
 
-def _by_distance(
+def _change(felt: _Felt, far: Boundary, near: Boundary, width: float) -> float:
+    """Change of the function from one boundary to another, by what is felt of them."""
+    shared, apart = np.flatnonzero(felt.by_share), np.flatnonzero(felt.by_away)
+    share = far.share(felt.points[shared], width) - near.share(felt.points[shared], width)
+    away = far.away(felt.points[apart], width) - near.away(felt.points[apart], width)
+    return float(felt.by_share[shared] @ share + felt.by_away[apart] @ away)
+
+
+def _felt(
     problem: Problem, smooth: SmoothPattern, fields: Mapping[str, Floats]
-) -> ByDistance:
+) -> tuple[_Felt, ...]:
+    """Derivatives by indicators and distances of every part, at elements and nodes."""
     design, mesh = problem.design, problem.mesh
-    places = "triangles" if design.laminate else "edges"
-    distances: Floats = getattr(smooth, places)
-    step = STEP * smooth.width
-
-    def change(**ends: tuple[object, object]) -> dict[str, Floats]:
-        """Slope of each array of the model between two values of a key of the pattern."""
-        (key, pair), *_ = ends.items()
-        ahead, behind = (
-            model_arrays(design, mesh, _with(problem.regions, smooth, key, value), "pattern")
-            for value in pair
-        )
-        return {name: ahead[name] - behind[name] for name in ahead if name in fields}
-
-    at_places = np.zeros_like(distances)
-    for row in range(len(distances)):
-        moved = np.zeros_like(distances)
-        moved[row] = step
-        rates = change(**{places: (distances + moved, distances - moved)})
-        at_places[row] = _at_places(mesh, fields, rates, design.laminate) / (2.0 * step)
-    at_nodes = np.zeros_like(smooth.nodes)
-    if smooth.inert.any():
-        rates = change(farthest=(smooth.farthest + step, smooth.farthest - step))
-        by_farthest = sum(float((fields[k] * rate).sum()) for k, rate in rates.items())
-        away = np.where(smooth.inert[:, None], smooth.nodes, np.inf)
-        _, weights = blended_maximum(away.min(axis=0), mesh.node_areas, smooth.width)
-        columns = np.arange(away.shape[1])
-        at_nodes[away.argmin(axis=0), columns] += by_farthest / (2.0 * step) * weights
-    if not design.laminate:
-        _add_sides(at_nodes, problem, smooth, fields["coupling"])
+    key = "triangles" if design.laminate else "edges"
+    cover = smooth.triangles if design.laminate else smooth.edges
     points = mesh.triangle_centroids if design.laminate else mesh.edge_midpoints
-    return ByDistance(points, at_places, mesh.nodes[:, :2], at_nodes)
+
+    def rates(ahead: Regions, behind: Regions, step: float) -> dict[str, Floats]:
+        """Slopes of the arrays of the model."""
+        ends = [model_arrays(design, mesh, one, "pattern") for one in (ahead, behind)]
+        return {k: (ends[0][k] - ends[1][k]) / (2.0 * step) for k in ends[0] if k in fields}
+
+    def by(cover_ahead: Cover, cover_behind: Cover, step: float) -> Floats:
+        """Derivative at each element by what differs between two covers."""
+        ahead = _with(problem.regions, smooth, key, cover_ahead)
+        behind = _with(problem.regions, smooth, key, cover_behind)
+        return _at_places(mesh, fields, rates(ahead, behind, step), design.laminate)
+
+    none = np.zeros(len(points))
+    found = []
+    for row, name in enumerate(smooth.names):
+        moved = np.zeros_like(cover.parts)
+        moved[row] = STEP
+        slope = by(
+            replace(cover, parts=cover.parts + moved),
+            replace(cover, parts=cover.parts - moved),
+            STEP,
+        )
+        found.append(_Felt(name, points, slope, none))
+    whole = _name_of_whole(design)
+    by_covered = by(
+        replace(cover, covered=cover.covered + STEP),
+        replace(cover, covered=cover.covered - STEP),
+        STEP,
+    )
+    step = STEP * smooth.width
+    by_away = by(
+        replace(cover, away=cover.away + step), replace(cover, away=cover.away - step), step
+    )
+    found.append(_Felt(whole, points, by_covered, by_away))
+    ends = [_with(problem.regions, smooth, "farthest", smooth.farthest + s) for s in (step, -step)]
+    farthest = rates(ends[0], ends[1], step)
+    total = sum(float((fields[k] * rate).sum()) for k, rate in farthest.items())
+    _, weights = blended_maximum(smooth.nodes.signed, mesh.node_areas, smooth.width)
+    by_signed = total * weights
+    if not design.laminate:
+        by_signed += _by_side(problem, smooth, fields["coupling"])
+    nodes = smooth.nodes
+    found.append(
+        _Felt(
+            whole,
+            mesh.nodes[:, :2].copy(),
+            -2.0 * by_signed * nodes.away,
+            by_signed * (1.0 - 2.0 * nodes.covered),
+        )
+    )
+    return tuple(found)
 
 
-def _with(region: Regions, smooth: SmoothPattern, key: str, value: object) -> Regions:
+def _name_of_whole(design: Design) -> str:
+    parts, whole = smooth_boundaries(design)
+    return next((name for name, edge in parts.items() if edge is whole), TOGETHER)
+
+
+def _with(region: Regions, smooth: SmoothPattern, key: str, value: Cover | float) -> Regions:
     return replace(region, smooth=replace(smooth, **{key: value}))  # type: ignore[arg-type]
 
 
@@ -167,19 +208,16 @@ def _at_places(
     return np.asarray(found)
 
 
-def _add_sides(
-    at_nodes: Floats, problem: Problem, smooth: SmoothPattern, by_coupling: Floats
-) -> None:
-    """Add what the sense of the hinges does, which turns with the distances of their nodes."""
+def _by_side(problem: Problem, smooth: SmoothPattern, by_coupling: Floats) -> Floats:
+    """By the signed distances of the nodes, which turn the sense of hinges, shape (V,)."""
     design, mesh = problem.design, problem.mesh
+    found = np.zeros(len(mesh.nodes))
     if hinge_orientation(design, design.resolve_mesh_path()) != "away_from_pattern":
-        return
-    away, part = smooth.nodes.min(axis=0), smooth.nodes.argmin(axis=0)
+        return found
+    signed, scale = smooth.nodes.signed, SOFTNESS * smooth.width
     c, d = mesh.hinges[:, 2], mesh.hinges[:, 3]
-    scale = SOFTNESS * smooth.width
-    u = (away[c] - away[d]) / scale
-    turning = np.flatnonzero(np.abs(u) < 1.0)
-    size = design.published.coupling * hinge_face(mesh, problem.regions)[turning]
-    rate = size * by_coupling[turning] * smooth_sign_slope(u[turning]) / scale
-    np.add.at(at_nodes, (part[c[turning]], c[turning]), rate)
-    np.add.at(at_nodes, (part[d[turning]], d[turning]), -rate)
+    full = design.published.coupling * hinge_face(mesh, problem.regions)
+    rate = full * by_coupling * smooth_sign_slope((signed[c] - signed[d]) / scale) / scale
+    np.add.at(found, c, rate)
+    np.add.at(found, d, -rate)
+    return found

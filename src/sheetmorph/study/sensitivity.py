@@ -225,7 +225,7 @@ def _by_key(
         return _by_forces(state, ahead, behind, adjoint) / (2.0 * step)
     if table == "pattern":
         assert pattern is not None  # noqa: S101  number_at refuses patterns with a sharp boundary
-        return pattern.along(ahead, behind, problem.mesh.size) / (2.0 * step)
+        return pattern.between(ahead, behind, problem.mesh.size) / (2.0 * step)
     ends = [
         model_arrays(one, problem.mesh, _restacked(problem, one), table) for one in (ahead, behind)
     ]
