@@ -179,7 +179,7 @@ _RULES: dict[str, tuple[Rule, ...]] = {
     "star": (
         _along("arm_length", "arm length"),
         _across("half_width", "half width", lambda s: 0.55 * s.arm_length),
-        _along("hub_radius", "hub radius", angle=15.0),
+        _along("hub_radius", "hub radius", angle=200.0),
         _rotation(lambda s: 0.6 * s.arm_length, _next_arm),
     ),
     "cross": (
@@ -191,7 +191,7 @@ _RULES: dict[str, tuple[Rule, ...]] = {
     "bar": (_ends,),
     "lotus": (
         _along("radius", "radius"),
-        _along("disc_radius", "disc radius", angle=20.0),
+        _along("disc_radius", "disc radius", angle=200.0),
         _across("petal_half_width", "petal half width", lambda s: 0.6 * s.radius),
     ),
     "ring": (_along("radius", "radius"),),

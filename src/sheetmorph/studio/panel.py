@@ -153,8 +153,11 @@ def _range(parts: list[Any]) -> dict[str, float]:
     return found
 
 
+_LABELS = {"eps_pre": "Free strain ε"}
+
+
 def _words(name: str) -> str:
-    return name.replace("_", " ").capitalize()
+    return _LABELS.get(name) or name.replace("_", " ").capitalize()
 
 
 def _described(section: type) -> dict[str, str]:

@@ -16,17 +16,19 @@ from typing import TYPE_CHECKING
 
 import uvicorn
 from starlette.applications import Starlette
-from starlette.responses import FileResponse, PlainTextResponse, Response
+from starlette.responses import FileResponse, JSONResponse, PlainTextResponse, Response
 from starlette.routing import Route, WebSocketRoute
 from starlette.websockets import WebSocketDisconnect
 
 from sheetmorph import __version__
+from sheetmorph.core.errors import SheetmorphError
 from sheetmorph.design.presets import PRESETS
 from sheetmorph.studio.bundle import three_js
 from sheetmorph.studio.guard import App, Guard
 from sheetmorph.studio.orders import obey
 from sheetmorph.studio.pool import Pool
 from sheetmorph.studio.session import Session
+from sheetmorph.studio.uploads import KINDS, stored
 
 if TYPE_CHECKING:
     from starlette.requests import Request
@@ -105,6 +107,7 @@ class Studio:
             file = self.settings.file
             folder = None if file is None else file.parent
             found = Session(name, self.settings.text, folder, self.solvers, self.helpers)
+            found.file = file
             self.sessions[name] = found
         self._left.pop(name, None)
         return found
@@ -161,6 +164,29 @@ def make_app(studio: Studio) -> App:
             return PlainTextResponse("there is no such page\n", 404)
         return FileResponse(file, media_type=TYPES[file.suffix])
 
+    async def upload(request: Request) -> Response:
+        session = studio.sessions.get(request.path_params["session"])
+        what = request.path_params["what"]
+        if session is None or what not in KINDS:
+            return JSONResponse({"error": "there is no such tab"}, 404)
+        name = request.query_params.get("name", "")
+        announced = request.headers.get("content-length")
+        try:
+            file = await stored(what, name, announced, request.stream(), session.scratch)
+        except SheetmorphError as error:
+            return JSONResponse({"error": str(error)}, 400)
+        session.uploads[what] = file
+        return JSONResponse({"stored": what})
+
+    async def download(request: Request) -> Response:
+        places = request.path_params
+        session = studio.sessions.get(places["session"])
+        files = {} if session is None else session.downloads.get(places["export"], {})
+        file = files.get(places["name"])
+        if file is None or not file.is_file():
+            return PlainTextResponse("there is no such file; export it again\n", 404)
+        return FileResponse(file, filename=file.name)  # as an attachment, never shown in the page
+
     async def live(wire: WebSocket) -> None:
         name = wire.path_params["name"]
         session = studio.session(name) if _NAME.fullmatch(name) else None
@@ -173,6 +199,8 @@ def make_app(studio: Studio) -> App:
     routes = [
         Route("/", page),
         Route("/page/{name}", page),
+        Route("/upload/{session}/{what}", upload, methods=["POST"]),
+        Route("/out/{session}/{export}/{name:path}", download),
         WebSocketRoute("/live/{name}", live),
     ]
     app = Starlette(routes=routes, lifespan=life)
@@ -182,8 +210,10 @@ def make_app(studio: Studio) -> App:
 async def _serve(studio: Studio, session: Session, wire: WebSocket) -> None:
     """Talk with a tab until it goes."""
     file = studio.settings.file
-    session.connected += 1
-    mine = session.connected
+    if session.wire is not None:  # the tab was copied: the copy has taken its name
+        with contextlib.suppress(RuntimeError, OSError):
+            await session.wire.close(4001, "this tab was opened a second time")
+    session.wire = wire
     session.outbox.clear()
     session.tell(
         "hello",
@@ -207,7 +237,8 @@ async def _serve(studio: Studio, session: Session, wire: WebSocket) -> None:
         sender.cancel()
         with contextlib.suppress(asyncio.CancelledError, Exception):
             await sender
-        if session.connected == mine:  # no newer socket of the same tab has come
+        if session.wire is wire:
+            session.wire = None
             studio.left(session)
 
 

@@ -8,12 +8,15 @@ from collections.abc import Coroutine
 from dataclasses import dataclass, field
 from functools import partial
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from sheetmorph.studio.frames import pack
 from sheetmorph.studio.history import History
 from sheetmorph.studio.outbox import Outbox
 from sheetmorph.studio.pool import Ended, Pool, Ticket, Worker
+
+if TYPE_CHECKING:
+    from starlette.websockets import WebSocket
 
 QUICK = 0.8
 """A full solve that took longer than this [s] is announced by a preview."""
@@ -57,9 +60,13 @@ class Session:
         self.name, self.folder = name, folder
         self.history = History((text,))
         self.outbox = Outbox()
-        self.connected = 0
+        self.wire: WebSocket | None = None
         self.begun = False
+        self.scanned = False
+        self.file: Path | None = None
+        self.saved = text
         self.downloads: dict[str, dict[str, Path]] = {}
+        self.uploads: dict[str, Path] = {}
         self._solvers, self._helpers = solvers, helpers
         self._pending: dict[str, Any] = {}
         self._wanted: Wish | None = None
@@ -155,6 +162,15 @@ class Session:
             self._scratch.cleanup()
             self._scratch = None
 
+    def forget_scan(self) -> None:
+        """Take the scan away."""
+        from sheetmorph.studio.scans import LAID
+
+        self.scanned = False
+        self._last.pop("scan", None)
+        (self.scratch / LAID).unlink(missing_ok=True)
+        self._want(Wish(commit=False))
+
     # How it is computed.
 
     def _want(self, wish: Wish) -> None:
@@ -206,6 +222,7 @@ class Session:
             "levels": levels,
             "commit": wish.commit,
             "panel": not wish.drag,
+            "scratch": str(self.scratch) if self.scanned else None,
         }
 
     def _take(self, wish: Wish, head: dict[str, Any], packet: bytes) -> None:
@@ -238,11 +255,7 @@ class Session:
     async def _help(self, task: str, content: dict[str, Any], what: str, ticket: Ticket) -> None:
         def on_packet(head: dict[str, Any], packet: bytes) -> None:
             if not ticket.cancelled:
-                if head["kind"] == "exported":
-                    places = {name: Path(place) for name, place in head["places"].items()}
-                    self.downloads[head["name"]] = places
-                kind = "helping" if head["kind"] == "progress" else head["kind"]
-                self.outbox.put(kind, packet)
+                self._take_help(head, packet)
 
         job = {
             "task": task,
@@ -258,6 +271,23 @@ class Session:
         if ended["ended"] in ("error", "died"):
             self.tell("problem", text=ended.get("text", DIED), about=what)
         self.tell("idle", what=what)
+
+    def _take_help(self, head: dict[str, Any], packet: bytes) -> None:
+        kind = head["kind"]
+        if kind == "exported":
+            places = head.pop("places")  # where files lie is not for the browser
+            self.downloads[head["name"]] = {name: Path(place) for name, place in places.items()}
+            self.outbox.put(kind, pack(head))
+        elif kind == "opened":
+            self.open(head["text"])
+        elif kind == "progress":
+            self.tell("helping", fraction=head["fraction"], text=head["text"])
+        else:
+            self.outbox.put(kind, packet)
+        if kind == "scan":
+            self.scanned = True
+            self._last["scan"] = packet
+            self._want(Wish(commit=False))  # the shape with its distances to the scan
 
     def _steps(self) -> dict[str, bool]:
         return {"undo": self.history.can_undo, "redo": self.history.can_redo}

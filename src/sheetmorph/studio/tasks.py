@@ -4,20 +4,27 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from contextlib import suppress
 from dataclasses import dataclass, field
 from pathlib import Path
 from time import perf_counter
 from typing import Any
 
+from sheetmorph.core.errors import InputError
 from sheetmorph.design.spec import Design
 from sheetmorph.geometry.mesh import SheetMesh
+from sheetmorph.studio.drawings import look_at_drawing, use_drawing
+from sheetmorph.studio.exports import export
 from sheetmorph.studio.panel import panel
 from sheetmorph.studio.plan import plan
+from sheetmorph.studio.scans import compare_scan
 from sheetmorph.studio.worker import Desk
 
 PREVIEW_NODES = 260
 """About how many nodes a preview has."""
 KEPT_MESHES = 4
+APPENDED = "pattern.+"
+"""Key of a value that is a new shape of the pattern."""
 
 
 @dataclass
@@ -54,9 +61,25 @@ def mesh_key(design: Design) -> str:
 def designed(job: dict[str, Any]) -> Design:
     """The design of a job: a text, changed values, and the folder of the files it names."""
     folder = Path(job["folder"]) if job.get("folder") else None
-    design = Design.from_toml(job["text"], folder)
-    values = job.get("values") or {}
+    values = dict(job.get("values") or {})
+    shape = values.pop(APPENDED, None)
+    text = job["text"] if shape is None else with_shape(job["text"], shape)
+    design = Design.from_toml(text, folder)
     return design.with_values(values) if values else design
+
+
+def with_shape(text: str, shape: dict[str, Any]) -> str:
+    """The text of a design with one more shape in its pattern."""
+    import tomlkit
+
+    document: Any = tomlkit.parse(text)
+    if "pattern" not in document:
+        document["pattern"] = tomlkit.aot()
+    table = tomlkit.table()
+    table.update(shape)
+    document["pattern"].append(table)
+    table.add(tomlkit.nl())
+    return tomlkit.dumps(document)
 
 
 def show_design(job: dict[str, Any], desk: Desk, memory: Memory) -> None:
@@ -75,24 +98,49 @@ def show_design(job: dict[str, Any], desk: Desk, memory: Memory) -> None:
             "direction": design.perturbation.direction,
         },
     )
-    for level in job["levels"]:
-        _solve(design, level == "preview", desk, memory, began)
+    scratch = Path(job["scratch"]) if job.get("scratch") else None
+    levels = list(job["levels"])
+    if "preview" in levels:
+        shown, mesh = _preview(design, memory)
+        if shown is not design or levels == ["preview"]:
+            _solve(shown, mesh, True, desk, began, scratch)
+    if "full" in levels:
+        desk.check()
+        _solve(design, memory.mesh(design), False, desk, began, scratch)
 
 
-def _solve(design: Design, preview: bool, desk: Desk, memory: Memory, began: float) -> None:
+def _solve(
+    design: Design,
+    mesh: SheetMesh,
+    preview: bool,
+    desk: Desk,
+    began: float,
+    scratch: Path | None,
+) -> None:
     from sheetmorph.design.check import describe
+    from sheetmorph.studio.scans import measured
     from sheetmorph.studio.scene import scene
     from sheetmorph.study.simulate import simulate
 
-    shown = coarse(design) if preview else design
     desk.check()
-    mesh = memory.mesh(shown)
-    desk.check()
-    result = simulate(shown, mesh=mesh, on_event=desk.listen)
+    result = simulate(design, mesh=mesh, on_event=desk.listen)
     head, arrays = scene(result, preview=preview)
+    near = None if scratch is None else measured(result, scratch)
+    if near is not None:
+        head["fields"]["scan"], distances = near
+        arrays |= distances
     head["numbers"]["seconds"] = perf_counter() - began
     head["warnings"] = [] if preview else describe(design, mesh)["warnings"]
     desk.answer("scene", head, arrays)
+
+
+def _preview(design: Design, memory: Memory) -> tuple[Design, SheetMesh]:
+    """The design with a coarse mesh, as far as its ribs are wide enough for one."""
+    shown = coarse(design)
+    if shown is not design:
+        with suppress(InputError):
+            return shown, memory.mesh(shown)
+    return design, memory.mesh(design)
 
 
 def coarse(design: Design) -> Design:
@@ -121,5 +169,11 @@ def warm_up() -> None:
     show_design(job, desk, Memory())
 
 
-TASKS: dict[str, Callable[[dict[str, Any], Desk, Memory], None]] = {"design": show_design}
+TASKS: dict[str, Callable[[dict[str, Any], Desk, Memory], None]] = {
+    "design": show_design,
+    "look": look_at_drawing,
+    "use": use_drawing,
+    "compare": compare_scan,
+    "export": export,
+}
 """The tasks by their names in jobs."""

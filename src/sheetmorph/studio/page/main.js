@@ -1,9 +1,13 @@
 // The page: puts its parts together, keys, theme.
 
 import { $, ask, make } from "./dom.js";
+import "./export.js";
+import "./files.js";
+import "./gallery.js";
 import "./panel.js";
 import "./plan.js";
 import "./status.js";
+import "./scan.js";
 import { play } from "./tools.js";
 import { look, retheme } from "./view.js";
 import { connect, on, order } from "./wire.js";

@@ -34,6 +34,8 @@ scene.add(sheet, outline, wires, ghost, ghostLines, scan, marks);
 /** What is shown: the packet of the newest shape and how it is looked at. */
 export const shown = { head: null, arrays: null, moment: 1, field: "", layout: "shape", nodes: null, drawn: 0 };
 let framed = null;
+let middle = [0, 0]; // of the flat sheet [mm]
+let seen = [0, 0]; // that at which the camera looks
 
 on("scene", setScene); // before the parts that are told of the new shape
 
@@ -61,7 +63,8 @@ function setScene(head, arrays) {
   paintParts(ghost.geometry);
   redraw();
   const size = extent();
-  if (first || Math.abs(size / framed - 1) > 0.6) look("home");
+  const moved = Math.hypot(middle[0] - seen[0], middle[1] - seen[1]);
+  if (first || Math.abs(size / framed - 1) > 0.6 || moved > 0.2 * size) look("home");
 }
 
 /** Go to a moment of the actuation, 0 flat and 1 final. */
@@ -178,6 +181,7 @@ export function extent() {
       high[d] = Math.max(high[d], flat[i + d]);
     }
   }
+  middle = [0, 1].map((d) => (low[d] + high[d]) / 2);
   return Math.max(high[0] - low[0], high[1] - low[1]);
 }
 
@@ -229,13 +233,15 @@ export function showMesh(on) {
 export function look(from) {
   if (!shown.head) return;
   framed = extent();
+  seen = middle;
   const wide = shown.layout === "beside" ? 2.1 : 1;
   const tall = camera.aspect < 1.25 ? 1.25 / camera.aspect : 1;
   const distance = 1.95 * framed * Math.max(tall, wide * 0.85);
   const to = { home: [0.42, -0.8, 0.5], top: [0, -1e-4, 1], side: [0, -1, 0.02] }[from];
+  const [x, y] = middle;
   const z = mean(shown.nodes);
-  controls.target.set(0, 0, z);
-  camera.position.set(distance * to[0], distance * to[1], z + distance * to[2]);
+  controls.target.set(x, y, z);
+  camera.position.set(x + distance * to[0], y + distance * to[1], z + distance * to[2]);
   controls.update();
   render();
 }
