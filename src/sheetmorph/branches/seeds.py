@@ -13,7 +13,7 @@ from sheetmorph.branches.walk import Bifurcation
 from sheetmorph.core.sparse import SymmetricPattern
 from sheetmorph.geometry.mesh import Floats
 from sheetmorph.solve.path import Waypoint
-from sheetmorph.solve.system import Energy, System
+from sheetmorph.solve.system import Energy, System, allowed
 from sheetmorph.study.model import Problem
 
 KICK = 0.01
@@ -63,6 +63,10 @@ class Loaded:
     def at(self, ramp: float, load: float) -> Self:
         """The energy at a fraction of the actuation and of this load."""
         return replace(self, energy=self.energy.at(ramp, 0.0), load=load)
+
+    def reach(self, x: Floats, step: Floats) -> float:
+        """As without the load."""
+        return allowed(self.energy, x, step)
 
     def evaluate(self, x: Floats, order: int) -> tuple[float, Floats | None, Floats | None]:
         """See `Energy.evaluate`."""

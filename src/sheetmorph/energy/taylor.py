@@ -42,7 +42,7 @@ def taylor_slopes(total: Total, x: Floats, direction: Floats, sizes: Floats) -> 
     energy, gradient, data = total.evaluate(x, 2)
     assert gradient is not None and data is not None  # noqa: S101
     slope = float(gradient @ direction)
-    curvature = float(direction @ (total.pattern.full(data) @ direction))
+    curvature = float(direction @ (total.matrix(data) @ direction))
     first, second = np.empty(len(sizes)), np.empty(len(sizes))
     for k, h in enumerate(sizes):
         ahead, _, _ = total.evaluate(x + h * direction, 0)

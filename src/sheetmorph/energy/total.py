@@ -6,9 +6,11 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
+from scipy.sparse import csr_array
 
 from sheetmorph.core.compiled import kernel
-from sheetmorph.core.sparse import SymmetricPattern
+from sheetmorph.core.sparse import Growth, SymmetricPattern, symmetric_matrix
+from sheetmorph.energy.self_contact import SelfContact
 from sheetmorph.energy.structure import Slots, Structure, assembly_map
 from sheetmorph.energy.term import Term, local_width
 from sheetmorph.geometry.mesh import Floats
@@ -29,23 +31,32 @@ class Total:
         terms: the terms, at the current actuation and load.
         structure: assembly map, shared by all copies.
         workspace: scratch arrays, shared by all copies (one evaluation at a time).
+        contact: what keeps the sheet from passing through itself; None where nothing does.
     """
 
     terms: tuple[Term, ...]
     structure: Structure
     workspace: Workspace
+    contact: SelfContact | None = None
 
     @classmethod
-    def of(cls, terms: Sequence[Term], node_count: int, scalar_count: int = 0) -> Total:
+    def of(
+        cls,
+        terms: Sequence[Term],
+        node_count: int,
+        scalar_count: int = 0,
+        contact: SelfContact | None = None,
+    ) -> Total:
         """Build the pattern of the Hessian and the scratch arrays for these terms.
 
         Args:
             terms: the terms.
             node_count: V.
             scalar_count: number of scalar unknowns, a multiple of 3.
+            contact: of the sheet with itself.
         """
         structure = assembly_map(terms, node_count, scalar_count)
-        return cls(tuple(terms), structure, Workspace.of(terms, structure))
+        return cls(tuple(terms), structure, Workspace.of(terms, structure), contact)
 
     def at(self, ramp: float, load: float) -> Total:
         """The same energy at a fraction of the actuation and of the perturbation load."""
@@ -60,12 +71,22 @@ class Total:
         """The part of a step, at most 1, that all terms allow; see `Term`."""
         rows, moves = x.reshape(-1, 3), step.reshape(-1, 3)
         limits = [term.reach(rows, moves) for term in self.terms if hasattr(term, "reach")]
-        return min(limits, default=1.0)
+        part = float(min(limits, default=1.0))
+        return part if self.contact is None else self.contact.reach(rows, part * moves) * part
 
     @property
     def pattern(self) -> SymmetricPattern:
-        """Pattern of the Hessian, shape (n, n)."""
+        """Pattern of the Hessian, shape (n, n), but for what grows."""
         return self.structure.pattern
+
+    @property
+    def growth(self) -> Growth | None:
+        """What the last Hessian has beyond the pattern; None where nothing touches."""
+        return None if self.contact is None else self.contact.growth
+
+    def matrix(self, data: Floats) -> csr_array:
+        """The whole Hessian by the entries that `evaluate` has given."""
+        return symmetric_matrix(self.pattern, self.growth, data)
 
     def evaluate(self, x: Floats, order: int) -> tuple[float, Floats | None, Floats | None]:
         """Energy, gradient and Hessian at the positions x.
@@ -77,7 +98,8 @@ class Total:
 
         Returns:
             Energy [J]; gradient [N], shape (n,); entries of the Hessian [N/m] in the order
-            of `pattern`. The latter two are None where `order` does not ask for them.
+            of `pattern`, then those of `growth`. The latter two are None where `order` does not
+            ask for them.
         """
         work = self.workspace
         if x.size != self.pattern.size:
@@ -90,15 +112,22 @@ class Total:
         for term, slots in zip(self.terms, self.structure.slots, strict=True):
             energy += _sum_term(term, slots, nodes, order, gradient, work)
         hessian = np.take(work.storage, self.structure.gather) if order >= 2 else None
+        if self.contact is not None:
+            touching, beyond = self.contact.add(nodes, order, gradient)
+            energy += touching
+            hessian = None if hessian is None else np.concatenate([hessian, beyond])
         return energy, gradient.reshape(-1) if order >= 1 else None, hessian
 
     def energies(self, x: Floats) -> dict[str, float]:
         """Energy of each term [J] by its name."""
         nodes, work = x.reshape(-1, 3), self.workspace
-        return {
+        found = {
             term.name: _sum_term(term, slots, nodes, 0, work.no_gradient, work)
             for term, slots in zip(self.terms, self.structure.slots, strict=True)
         }
+        if self.contact is not None:
+            found[self.contact.name], _ = self.contact.add(nodes, 0, work.no_gradient)
+        return found
 
 
 @dataclass(frozen=True, eq=False)

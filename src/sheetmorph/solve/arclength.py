@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from sheetmorph.core.errors import ComputationError
 from sheetmorph.core.sparse import SymmetricPattern
-from sheetmorph.solve.system import Energy, System
+from sheetmorph.solve.system import Energy, System, allowed
 
 Floats = NDArray[np.float64]
 
@@ -46,6 +46,10 @@ class Pushed:
     def at(self, ramp: float, load: float) -> Self:
         """The same force at another point of the path."""
         return replace(self, energy=self.energy.at(ramp, load))
+
+    def reach(self, x: Floats, step: Floats) -> float:
+        """As without the force."""
+        return allowed(self.energy, x, step)
 
     def evaluate(self, x: Floats, order: int) -> tuple[float, Floats | None, Floats | None]:
         """See `Energy.evaluate`."""

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from sheetmorph.core.compiled import kernel
 from sheetmorph.core.errors import ComputationError, InputError
-from sheetmorph.core.sparse import SymmetricPattern
+from sheetmorph.core.sparse import Growth, SymmetricPattern
 
 Floats = NDArray[np.float64]
 
@@ -244,6 +244,56 @@ class ScipySuperLU:
         return np.asarray(self._lu.solve(rhs))
 
 
+class Growing:
+    """Any of the solvers for matrices whose pattern grows, as where parts of the sheet touch.
+
+    The pattern is analysed anew whenever what is beyond the fixed one has changed.
+
+    Attributes:
+        growth: what matrices have beyond the fixed pattern.
+    """
+
+    def __init__(
+        self, pattern: SymmetricPattern, growth: Growth, choice: str = "auto", threads: int = 1
+    ) -> None:
+        self.growth = growth
+        self._pattern, self._choice, self._threads = pattern, choice, threads
+        self._version = -1
+        self._renew()
+        self.name = self._inner.name
+
+    def _renew(self) -> None:
+        if self._version == self.growth.version:
+            return
+        whole, self._fixed, self._beyond = self.growth.joined(self._pattern)
+        self._inner = make_solver(whole, self._choice, self._threads)
+        self._size, self._version = whole.nnz, self.growth.version
+
+    def _joined(self, data: Floats) -> Floats:
+        self._renew()
+        count = self._pattern.nnz
+        if len(data) != count + len(self._beyond):
+            raise ValueError("these entries were made before the pattern began anew")
+        joined = np.zeros(self._size)
+        joined[self._fixed] = data[:count]
+        np.add.at(joined, self._beyond, data[count:])
+        return joined
+
+    def factorise(self, data: Floats) -> bool:
+        """See `LinearSolver.factorise`."""
+        joined = self._joined(data)  # first: it may take another solver
+        return self._inner.factorise(joined)
+
+    def factorise_indefinite(self, data: Floats) -> int:
+        """See `LinearSolver.factorise_indefinite`."""
+        joined = self._joined(data)
+        return self._inner.factorise_indefinite(joined)
+
+    def solve(self, rhs: Floats) -> Floats:
+        """See `LinearSolver.solve`."""
+        return self._inner.solve(rhs)
+
+
 SOLVERS: dict[str, tuple[str, type[MklPardiso] | type[Rslab] | type[ScipySuperLU]]] = {
     "mkl": ("pymklpardiso", MklPardiso),
     "rslab": ("rslab", Rslab),
@@ -252,8 +302,19 @@ SOLVERS: dict[str, tuple[str, type[MklPardiso] | type[Rslab] | type[ScipySuperLU
 """Name in the design file → (module it needs, class), fastest first."""
 
 
-def make_solver(pattern: SymmetricPattern, choice: str = "auto", threads: int = 1) -> LinearSolver:
+def make_solver(
+    pattern: SymmetricPattern,
+    choice: str = "auto",
+    threads: int = 1,
+    growth: Growth | None = None,
+) -> LinearSolver:
     """The chosen solver, or with "auto" the fastest that is installed and loads.
+
+    Args:
+        pattern: of the matrices.
+        choice: name of the library.
+        threads: of the library, where it has any.
+        growth: what matrices have beyond the pattern; see `Growing`.
 
     Raises:
         InputError: the name is unknown, or the library is not installed here.
@@ -265,6 +326,8 @@ def make_solver(pattern: SymmetricPattern, choice: str = "auto", threads: int = 
             value=choice,
             allowed=", ".join(["auto", *SOLVERS]),
         )
+    if growth is not None:
+        return Growing(pattern, growth, choice, threads)
     names = list(SOLVERS) if choice == "auto" else [choice]
     for name in names:
         module, factory = SOLVERS[name]

@@ -39,6 +39,12 @@ class Energy(Protocol):
         ...
 
 
+def allowed(energy: Energy, x: Floats, step: Floats) -> float:
+    """The part of a step, at most 1, that an energy allows; see `Energy`."""
+    limit = getattr(energy, "reach", None)
+    return 1.0 if limit is None else float(limit(x, step))
+
+
 @dataclass
 class Work:
     """What a computation has cost so far."""
@@ -79,8 +85,7 @@ class System:
 
     def reach(self, x: Floats, step: Floats) -> float:
         """The part of a step, at most 1, that the energy allows; see `Energy`."""
-        limit = getattr(self.energy, "reach", None)
-        return 1.0 if limit is None else float(limit(x, step))
+        return allowed(self.energy, x, step)
 
     def toward(self, x: Floats, goal: Floats) -> Floats:
         """The goal, or the last place on the way to it from x that the energy allows."""
@@ -113,6 +118,10 @@ class System:
         assert gradient is not None and data is not None  # noqa: S101
         self.held.hold(gradient)
         self.held.reduce(data)
+        growth = getattr(self.linear, "growth", None)
+        if growth is not None:
+            rows, columns = growth.places()
+            data[self.energy.pattern.nnz :][self.held.held[rows] | self.held.held[columns]] = 0.0
         self._account_evaluation(start)
         return energy, gradient, data
 

@@ -96,7 +96,7 @@ def build_problem(design: Design, mesh: SheetMesh | None = None) -> Problem:
     terms = [*model.terms, NodalLoad(nodes, perturbation_forces(design, mesh), mesh.nodes)]
     if design.loads:
         terms.append(AppliedLoad(nodes, load_forces(design, mesh, region), mesh.nodes))
-    around = surroundings_of(design, mesh, region, model.force_scale)
+    around = surroundings_of(design, mesh, region, eigenstrain, model.force_scale)
     terms += around.terms
     pins = rigid_motion_pins if around.table is None else level_motion_pins
     dofs = held.ravel() if held.any() else pins(mesh.nodes)
@@ -109,5 +109,5 @@ def build_problem(design: Design, mesh: SheetMesh | None = None) -> Problem:
         held_nodes=np.flatnonzero(held.any(axis=1)),
         surroundings=around,
         held_dofs=np.concatenate([dofs, model.held_scalars]),
-        total=Total.of(terms, len(mesh.nodes), len(model.held_scalars)),
+        total=Total.of(terms, len(mesh.nodes), len(model.held_scalars), around.contact),
     )

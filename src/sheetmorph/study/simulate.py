@@ -96,7 +96,10 @@ def simulate(
     aside = _Aside(on_event, journal)
     start = perf_counter()
     linear = make_solver(
-        problem.total.pattern, design.solver.linear_solver, max(1, design.solver.threads)
+        problem.total.pattern,
+        design.solver.linear_solver,
+        max(1, design.solver.threads),
+        problem.total.growth,
     )
     system = System(problem.total, HeldDofs.of(problem.total.pattern, problem.held_dofs), linear)
     path = follow(

@@ -121,7 +121,8 @@ def rigid_motions(positions: Floats, scalars: int = 0) -> Floats:
 def system_of(problem: Problem) -> System:
     """The problem with the linear solver that its design asks for."""
     pattern, solver = problem.total.pattern, problem.design.solver
-    linear = make_solver(pattern, solver.linear_solver, max(1, solver.threads))
+    threads = max(1, solver.threads)
+    linear = make_solver(pattern, solver.linear_solver, threads, problem.total.growth)
     return System(problem.total, HeldDofs.of(pattern, problem.held_dofs), linear)
 
 

@@ -13,6 +13,7 @@ from sheetmorph.design.regions import Regions
 from sheetmorph.design.spec import Design
 from sheetmorph.design.surroundings import DOWN
 from sheetmorph.energy.loads import Weight
+from sheetmorph.energy.self_contact import SelfContact, Shield
 from sheetmorph.energy.table import TableContact
 from sheetmorph.energy.term import Term
 from sheetmorph.geometry.mesh import Floats, SheetMesh
@@ -23,22 +24,27 @@ RANGE = 0.2
 START = 0.9
 """Height of the sheet above the least one at the beginning, in ranges."""
 
+GUARD = 0.1
+"""Range of the barrier that keeps neighbours from crossing, in altitudes of shrunk triangles."""
+
 BEARERS = 3
 """Nodes that bear the whole weight at half the range of the table's barrier."""
 
 
 @dataclass(frozen=True, eq=False)
 class Surroundings:
-    """Weight and table.
+    """Weight, table, and the contact of the sheet with itself.
 
     Attributes:
         weights: of the nodes [N], shape (V, 3); zero without gravity.
         table: None where there is none.
+        contact: of the sheet with itself; None where it may pass through itself.
         gap: least distance of two middle surfaces [m]; half of it from the table.
     """
 
     weights: Floats
     table: TableContact | None
+    contact: SelfContact | None
     gap: float
 
     @property
@@ -70,11 +76,19 @@ class Surroundings:
                 "gap_m": 0.5 * self.gap,
                 "range_m": self.table.range,
             }
+        if self.contact is not None:
+            closest = self.contact.closest(positions)
+            found["self_contact"] = {
+                "touches": bool(np.isfinite(closest)),
+                "closest_m": closest if np.isfinite(closest) else None,
+                "gap_m": self.gap,
+                "range_m": self.contact.shields[-1].range,
+            }
         return found
 
 
 def surroundings_of(
-    design: Design, mesh: SheetMesh, region: Regions, force_scale: float
+    design: Design, mesh: SheetMesh, region: Regions, eigenstrain: Floats, force_scale: float
 ) -> Surroundings:
     """What is around the sheet.
 
@@ -82,6 +96,7 @@ def surroundings_of(
         design: the design.
         mesh: its mesh.
         region: what lies in its pattern.
+        eigenstrain: of the edges at full actuation, shape (E,).
         force_scale: of the model [N], see `ModelParts`; measure of contact without weight.
     """
     weights = gravity_forces(design, mesh, region)
@@ -101,4 +116,17 @@ def surroundings_of(
             reach,
             weight / BEARERS if weight > 0.0 else force_scale,
         )
-    return Surroundings(weights, table, gap)
+    touching = None
+    if contact.self_contact:
+        left = 1.0 + float(min(eigenstrain.min(initial=0.0), 0.0))
+        shields = [Shield(0.0, GUARD * left * _least_altitude(mesh), force_scale)]
+        if gap > 0.0:
+            apart = (gap + reach) / left + 2.0 * float(mesh.edge_lengths.max())
+            shields.append(Shield(gap, reach, force_scale, apart))
+        touching = SelfContact(mesh, shields, max(1, design.solver.threads))
+    return Surroundings(weights, table, touching, gap)
+
+
+def _least_altitude(mesh: SheetMesh) -> float:
+    longest = mesh.edge_lengths[mesh.triangle_edges].max(axis=1)
+    return float((2.0 * mesh.triangle_areas / longest).min())
