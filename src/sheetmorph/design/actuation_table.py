@@ -16,9 +16,9 @@ from sheetmorph.design.fields import (
     problem,
 )
 
-WHOLE_SHEET = ("uniform", "radial")
+WHOLE_SHEET = ("uniform", "radial", "field")
 """Profiles that act on the whole sheet, under the pattern too."""
-RADIAL = "radial"
+RADIAL, FIELD = "radial", "field"
 OF_LAMINATE = ("under_pattern", "transverse", "direction", "centre", "radial_profile")
 """Keys that the published model does not know."""
 
@@ -43,11 +43,12 @@ class Actuation(Section):
 
     Attributes:
         eps_pre: free strain of an unconstrained active layer; negative is shrinkage. With a
-            radial profile, the factor on the strains of its table.
+            radial profile or a field, the factor on the strains of its table.
         temperature: [K]; gives eps_pre through the shrink curve.
         shrink_curve: "polystyrene" (built in) or the name of a CSV file.
         profile: how the strain grows with the distance from the pattern; "uniform" is the
-            whole sheet alike, "radial" a table over the distance from `centre`.
+            whole sheet alike, "radial" a table over the distance from `centre`, "field" a
+            table over places.
         gamma: steepness of the exponential profile; 0 is linear, large is a step.
         distance: measured to the nearest midpoint of a bilayer edge (as published), or
             to the boundary of the pattern (does not depend on the mesh).
@@ -57,12 +58,13 @@ class Actuation(Section):
         direction: of the strain `eps_pre`, an angle from the x axis [rad] or "radial".
         centre: of radial directions and profiles [m].
         radial_profile: name of a CSV file with the columns r, e_radial and e_hoop.
+        field: name of a CSV file with the columns x, y and strain.
     """
 
     eps_pre: Annotated[float, Quantity("dimensionless", "-0.95", "1", above=True)] | None = None
     temperature: Annotated[float, Quantity("temperature", "0 K", "3000 K")] | None = None
     shrink_curve: FileName = "polystyrene"
-    profile: Literal["linear", "exponential", "step", "uniform", "radial"] = "linear"
+    profile: Literal["linear", "exponential", "step", "uniform", "radial", "field"] = "linear"
     gamma: Annotated[Number, Field(ge=0, le=1e12)] | None = None
     distance: Literal["bilayer_edges", "pattern_boundary"] = "pattern_boundary"
     under_pattern: Annotated[Number, Field(ge=0, le=1)] = 0.0
@@ -70,6 +72,7 @@ class Actuation(Section):
     direction: Annotated[float | Literal["radial"], Direction("angle", "-360 deg", "360 deg")] = 0.0
     centre: Point = (0.0, 0.0)
     radial_profile: FileName | None = None
+    field: FileName | None = None
 
     @property
     def whole_sheet(self) -> bool:
@@ -79,7 +82,8 @@ class Actuation(Section):
     @model_validator(mode="after")
     def _consistent(self) -> Self:
         radial = self.profile == RADIAL
-        if self.eps_pre is None and self.temperature is None and not radial:
+        tabled = self.profile in (RADIAL, FIELD)
+        if self.eps_pre is None and self.temperature is None and not tabled:
             raise problem("say how far to actuate", key="eps_pre", allowed="eps_pre or temperature")
         if self.eps_pre is not None and self.temperature is not None:
             raise problem(
@@ -99,7 +103,22 @@ class Actuation(Section):
                 value=self.under_pattern,
             )
         self._check_radial(radial)
+        self._check_field()
         return self
+
+    def _check_field(self) -> None:
+        field = self.profile == FIELD
+        if field and self.field is None:
+            raise problem("the field needs a table", key="field", allowed='"table.csv"')
+        if self.field is not None and not field:
+            raise problem(
+                f"the {self.profile} profile has no field; remove it, or choose field",
+                key="field",
+                value=self.field,
+            )
+        for key in ("temperature", "transverse", "direction") if field else ():
+            if key in self.model_fields_set and getattr(self, key) is not None:
+                raise problem("the table of the field says the strain; remove it", key=key)
 
     def _check_radial(self, radial: bool) -> None:
         given = self.model_fields_set

@@ -70,7 +70,7 @@ def describe(design: Design, mesh: SheetMesh | None = None) -> dict[str, Any]:
             "eps_pre": design.eps_pre,
             "eps_pre_scatter": design.eps_pre_scatter,
             "temperature": design.actuation.temperature,
-            "table": design.actuation.radial_profile,
+            "table": design.actuation.radial_profile or design.actuation.field,
             "greatest_distance": (
                 edge_distance(design, mesh, region)[1]
                 if covered_cells(design, region).any() and not design.actuation.whole_sheet

@@ -21,7 +21,7 @@ _NOT_HASHED: dict[str, Any] = {
 _LATER: dict[str, tuple[str, ...]] = {
     "": ("laminate", "loads", "gravity", "contact"),
     "layers": ("eigenstrain_factor",),
-    "actuation": ("under_pattern", "transverse", "direction", "centre", "radial_profile"),
+    "actuation": ("under_pattern", "transverse", "direction", "centre", "radial_profile", "field"),
     "supports": ("hold", "z", "clamp"),
     "mesh": ("curved", "pattern_smoothing"),
     "solver": ("kind", "dynamic"),
@@ -55,6 +55,8 @@ def content_hash(design: Design) -> str:
         actuation["shrink_curve"] = _digest(design, "shrink_curve")
     if spec.actuation.radial_profile is not None:
         actuation["radial_profile"] = _digest(design, "radial_profile")
+    if spec.actuation.field is not None:
+        actuation["field"] = _digest(design, "field")
     _drop_later(spec, content)
     text = json.dumps(content, sort_keys=True, separators=(",", ":"), allow_nan=False)
     return hashlib.sha256(text.encode()).hexdigest()

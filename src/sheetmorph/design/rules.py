@@ -39,7 +39,7 @@ def _of_laminate(design: DesignSchema) -> Iterator[tuple[str, object]]:
     """Keys and values that the published model does not know."""
     for index, layer in enumerate(design.layers):
         yield from _given(layer, ("eigenstrain_factor",), f"layers[{index}]")
-    if design.actuation.whole_sheet:
+    if design.actuation.whole_sheet and design.actuation.profile != actuation_table.FIELD:
         yield "actuation.profile", design.actuation.profile
     yield from _given(design.actuation, actuation_table.OF_LAMINATE, "actuation")
     for index, support in enumerate(design.supports):

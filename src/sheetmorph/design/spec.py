@@ -229,7 +229,7 @@ class Design:
     def eps_pre(self) -> float:
         """Free strain of an unconstrained active layer; negative is shrinkage.
 
-        With a radial profile it is the factor on the strains of the table.
+        With a radial profile or a field it is the factor on the strains of the table.
 
         Raises:
             InputError: the temperature lies outside the shrink curve, or the curve's
@@ -237,7 +237,7 @@ class Design:
         """
         if self.actuation.eps_pre is not None:
             return self.actuation.eps_pre
-        if self.actuation.profile == "radial":
+        if self.actuation.profile in ("radial", "field"):
             return 1.0
         assert self.actuation.temperature is not None  # noqa: S101  the schema wants one of the two
         return self._curve.eps_pre(self.actuation.temperature)

@@ -16,7 +16,7 @@ def check_makeable(design: Design) -> None:
 
     Raises:
         InputError: it has no active film, an active layer that covers a part of the sheet, a
-            sheet that is curved before actuation, or a strain by a table over the radius.
+            sheet that is curved before actuation, or a strain by a table.
     """
     if design.spec.mesh.curved:
         raise InputError(
@@ -43,11 +43,11 @@ def check_makeable(design: Design) -> None:
                 value=design.layers[index].where,
                 allowed=EVERYWHERE,
             )
-    if design.actuation.profile == "radial":
+    if design.actuation.profile in ("radial", "field"):
         raise InputError(
-            "a strain by a table over the radius is no film that can be heated as a whole; this "
-            "can be computed only",
+            "a strain by a table is no film that can be heated as a whole; this can be computed "
+            "only",
             file=design.file,
             key="actuation.profile",
-            value="radial",
+            value=design.actuation.profile,
         )

@@ -126,4 +126,6 @@ def _named_files(design: Design) -> list[tuple[str, str]]:
         files.append(("actuation.shrink_curve", design.actuation.shrink_curve))
     if design.actuation.radial_profile is not None:
         files.append(("actuation.radial_profile", design.actuation.radial_profile))
+    if design.actuation.field is not None:
+        files.append(("actuation.field", design.actuation.field))
     return files
