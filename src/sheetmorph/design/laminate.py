@@ -190,7 +190,14 @@ def published_stiffness(design: Design, mesh: SheetMesh, regions: Regions) -> Pu
     return PublishedStiffness(plain, plain * mesh.edge_lengths if scaled else plain, bending)
 
 
-def total_mass(mesh: SheetMesh, regions: Regions) -> float:
-    """Mass of the sheet [kg], cell by cell of the triangles."""
+def triangle_masses(mesh: SheetMesh, regions: Regions) -> Floats:
+    """Masses of the triangles before actuation [kg], shape (T,)."""
+    if regions.smooth is not None:
+        return np.asarray(mesh.triangle_areas * regions.smooth.areal_masses)
     areal = np.array([cell.stack.areal_mass for cell in regions.cells])
-    return float(mesh.triangle_areas @ areal[regions.triangle_cell])
+    return np.asarray(mesh.triangle_areas * areal[regions.triangle_cell])
+
+
+def total_mass(mesh: SheetMesh, regions: Regions) -> float:
+    """Mass of the sheet [kg]."""
+    return float(triangle_masses(mesh, regions).sum())

@@ -9,6 +9,7 @@ import numpy as np
 from sheetmorph.core.errors import InputError
 from sheetmorph.design.layout import place
 from sheetmorph.design.load_tables import AreaLoad, LineLoad, PointLoad
+from sheetmorph.design.masses import node_masses
 from sheetmorph.design.selection import in_box, of_indices, rim_between
 from sheetmorph.geometry.mesh import Floats, SheetMesh
 
@@ -67,11 +68,7 @@ def gravity_forces(design: Design, mesh: SheetMesh, region: Regions) -> Floats:
 def _weights(
     mesh: SheetMesh, region: Regions, gravity: float, direction: tuple[float, ...]
 ) -> Floats:
-    areal = np.array([cell.stack.areal_mass for cell in region.cells])
-    masses = mesh.triangle_areas * areal[region.triangle_cell]
-    shares = np.bincount(
-        mesh.triangles.ravel(), np.repeat(masses / 3.0, 3), minlength=len(mesh.nodes)
-    )
+    shares = node_masses(mesh, region)
     unit = np.array(direction) / np.linalg.norm(direction)
     return np.asarray(gravity * shares[:, None] * unit)
 

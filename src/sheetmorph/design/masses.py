@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from sheetmorph.design.laminate import triangle_masses
 from sheetmorph.design.regions import Regions
 from sheetmorph.geometry.mesh import Floats, SheetMesh
 
@@ -14,8 +15,7 @@ def node_masses(mesh: SheetMesh, region: Regions) -> Floats:
     The mass of a triangle is density times thickness times area over its layers before
     actuation; it stays as they shrink and thicken.
     """
-    areal = np.array([cell.stack.areal_mass for cell in region.cells])
-    shares = np.repeat(mesh.triangle_areas * areal[region.triangle_cell] / 3.0, 3)
+    shares = np.repeat(triangle_masses(mesh, region) / 3.0, 3)
     return np.asarray(
         np.bincount(mesh.triangles.ravel(), shares, minlength=len(mesh.nodes)), dtype=np.float64
     )

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import reduce
 from typing import TYPE_CHECKING
 
@@ -54,6 +54,7 @@ class SmoothPattern:
         triangles: at the centroids of the triangles.
         nodes: at the nodes.
         farthest: greatest distance of a node from the inert parts [m], blended.
+        areal_masses: of the triangles, with layers that taper off [kg/m²], shape (T,).
     """
 
     width: float
@@ -62,6 +63,13 @@ class SmoothPattern:
     triangles: Cover
     nodes: Cover
     farthest: float
+    areal_masses: Floats
+
+    def with_layers(self, design: Design) -> SmoothPattern:
+        """The same pattern with the layers of another design."""
+        shares = self.layer_shares(design, self.triangles)
+        areal = np.array([layer.density * layer.thickness for layer in design.layers])
+        return replace(self, areal_masses=areal @ shares)
 
     def layer_shares(self, design: Design, cover: Cover) -> Floats:
         """By which each layer's thickness is multiplied at N places, shape (layers, N)."""
@@ -115,14 +123,16 @@ def smooth_pattern(design: Design, mesh: SheetMesh) -> SmoothPattern | None:
     farthest, _ = blended_maximum(nodes.signed, mesh.node_areas, width)
     if farthest <= 0.0:
         raise InputError("the pattern covers the whole mesh, so nothing can shrink")
-    return SmoothPattern(
+    found = SmoothPattern(
         width=width,
         names=tuple(parts),
         edges=cover(mesh.edge_midpoints),
         triangles=cover(mesh.triangle_centroids),
         nodes=nodes,
         farthest=farthest,
+        areal_masses=np.zeros(len(mesh.triangles)),
     )
+    return found.with_layers(design)
 
 
 def smooth_sign(u: Floats) -> Floats:

@@ -237,10 +237,11 @@ def _by_key(
 
 def _restacked(problem: Problem, design: Design) -> Regions:
     """The regions of a problem with the layers of a changed design, nothing moved."""
-    cells = problem.regions.cells
+    cells, smooth = problem.regions.cells, problem.regions.smooth
     return replace(
         problem.regions,
         cells=tuple(replace(cell, stack=stack_of(design, cell.parts)) for cell in cells),
+        smooth=None if smooth is None else smooth.with_layers(design),
     )
 
 
