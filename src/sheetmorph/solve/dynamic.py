@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from time import perf_counter
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -33,6 +34,10 @@ ROUNDING = 1e-15
 LOOK_EVERY = 5
 """Steps between two looks whether the sheet rests: each may cost a factorisation."""
 
+STEP_GAIN, GAIN = 1e-3, 0.05
+"""Energy that a step, and all together, may make out of nothing, over the largest so far: beyond
+it the step is tried again, shorter, and the motion is given up."""
+
 REMEDIES = {
     Status.COMPLETED: "",
     Status.UNSTABLE: (
@@ -51,6 +56,7 @@ REMEDIES = {
         "the energy is not a finite number; check moduli, densities and thicknesses for extreme "
         "values"
     ),
+    Status.ENERGY_GREW: Status.ENERGY_GREW.remedy,
     Status.INTERRUPTED: "the last moment that was kept is there; continue with --resume",
 }
 """What to try after each status of a motion."""
@@ -86,6 +92,28 @@ class MotionOptions:
     rest: float = 1e-6
     max_steps: int = 100_000
     time_limit: float = float("inf")
+
+
+class Account(Protocol):
+    """Keeps the balance of energy."""
+
+    @property
+    def largest(self) -> float:
+        """Largest kinetic and elastic energy so far [J]."""
+        ...
+
+    @property
+    def made(self) -> float:
+        """Energy that the steps have made out of nothing so far, less what they took [J]."""
+        ...
+
+    def weigh(self, before: Moment, after: Moment) -> float:
+        """Energy that a step would make out of nothing [J]; negative where it takes some."""
+        ...
+
+    def enter(self, before: Moment, after: Moment) -> None:
+        """Take a step into the account."""
+        ...
 
 
 @dataclass(frozen=True, eq=False)
@@ -126,7 +154,7 @@ def move(
     start: Moment,
     options: MotionOptions,
     *,
-    scale: Callable[[], float],
+    account: Account,
     on_event: Listener = silent,
     on_moment: Callable[[Moment, Moment], None] | None = None,
 ) -> Motion:
@@ -144,7 +172,7 @@ def move(
         inertia: masses and damping.
         start: where to begin.
         options: steps, integrator, and ends.
-        scale: tells the largest energy of the motion so far [J].
+        account: keeps the balance of energy.
         on_event: told of every step.
         on_moment: called with the moments before and after every step.
 
@@ -159,15 +187,19 @@ def move(
         while here.time < options.end_time:
             if here.index >= options.max_steps:
                 return Motion(here, Status.TOO_MANY_STEPS, f"{options.max_steps} steps were made")
-            taken = _step(at, inertia, here, options, on_event)
+            taken = _step(at, inertia, here, options, account, on_event)
             if isinstance(taken, Motion):
                 return taken
             before, here = here, taken
+            account.enter(before, here)
             if on_moment is not None:
                 on_moment(before, here)
+            if account.made > GAIN * account.largest:
+                gain = f"{account.made:.2g} J of {account.largest:.2g} J came from nothing"
+                return Motion(here, Status.ENERGY_GREW, gain)
             over = here.time >= options.end_time
             if over or (here.time >= quiet and here.index % LOOK_EVERY == 0):
-                rest = _rest(static(here.time), inertia, here, options, scale())
+                rest = _rest(static(here.time), inertia, here, options, account.largest)
                 if rest is not None:
                     return rest
     except KeyboardInterrupt:
@@ -176,11 +208,16 @@ def move(
 
 
 def _step(
-    at: SystemAt, inertia: Inertia, here: Moment, options: MotionOptions, on_event: Listener
+    at: SystemAt,
+    inertia: Inertia,
+    here: Moment,
+    options: MotionOptions,
+    account: Account,
+    on_event: Listener,
 ) -> Moment | Motion:
     """One accepted step, or how the motion ends because there is none."""
-    planned = here.step
-    least = SHORTEST * options.time_step
+    planned, least = here.step, SHORTEST * options.time_step
+    small = options.newton.residual_tolerance * float(np.ptp(here.x))
     while True:
         time = _landing(here.time, planned, options)
         size = time - here.time
@@ -195,12 +232,15 @@ def _step(
             moment, error = pull.arrival(found.x, found.residual, time)
             factor, reason = _factor(error, options), f"an error of {error:.2g} m"
             if error <= options.step_error:
-                break
+                made = account.weigh(here, moment)
+                if made <= STEP_GAIN * max(account.largest, small):
+                    break
+                factor, reason = 0.5, f"{made:.2g} J out of nothing"
         on_event(TimeStepRejected(time, size, reason))
         planned = factor * size
         if planned < least:
-            failed = found.outcome is Outcome.NOT_FINITE
-            status = Status.NOT_FINITE if failed else Status.STEP_TOO_SMALL
+            endless = found.outcome is Outcome.NOT_FINITE
+            status = Status.NOT_FINITE if endless else Status.STEP_TOO_SMALL
             return Motion(here, status, f"a step from {here.time:.6g} s ended with {reason}")
     cost = system.work.iterations - before[0], system.work.factorisations - before[1]
     on_event(MomentReached(moment.index, time, size, moment.residual, *cost))

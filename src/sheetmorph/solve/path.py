@@ -36,6 +36,7 @@ class Status(StrEnum):
     TOO_MANY_STEPS = "too_many_steps"
     TIME_LIMIT = "time_limit"
     NOT_FINITE = "not_finite"
+    ENERGY_GREW = "energy_grew"
     INTERRUPTED = "interrupted"
 
     @property
@@ -62,6 +63,10 @@ _REMEDIES = {
     ),
     Status.NOT_FINITE: (
         "the energy is not a finite number; check moduli and thicknesses for extreme values"
+    ),
+    Status.ENERGY_GREW: (
+        "the steps in time made energy out of nothing; try a smaller solver.dynamic.time_step, "
+        "some solver.dynamic.retardation, or the integrator implicit_euler"
     ),
     Status.INTERRUPTED: "the last state that converged is kept; continue with --resume",
 }

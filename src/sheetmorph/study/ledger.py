@@ -15,6 +15,10 @@ from sheetmorph.study.motion_record import COLUMNS
 LOADS = ("load", "applied", "weight")
 """Names of the energy terms that are potentials of dead loads."""
 
+_ENERGIES, _SUMS = slice(5, 7), slice(7, 11)
+"""Places of both energies, and of the sums, in a row of the history."""
+_NONE = np.zeros(4)
+
 Factors = tuple[float, float, float]
 """Of actuation, loads and perturbation load."""
 
@@ -77,24 +81,41 @@ class Ledger:
     nodes: int
     rows: list[Floats] = field(default_factory=list)
     largest: float = 0.0
+    _weighed: tuple[Moment, float, Floats] | None = None
 
     def begin(self, moment: Moment) -> None:
         """The first row."""
         elastic, _ = _split(self.acting.at(moment.time), moment.x)
-        self._add(moment, 0.0, elastic, np.zeros(4))
+        self._add(moment, 0.0, elastic, _NONE)
 
     def take(self, rows: Floats) -> None:
         """Rows of a run that is to go on, shape (N, columns)."""
         self.rows += list(rows)
-        names = list(COLUMNS)
-        energies = rows[:, names.index("kinetic_J")] + rows[:, names.index("elastic_J")]
+        energies = rows[:, _ENERGIES].sum(axis=1)
         self.largest = max(self.largest, float(energies.max(initial=0.0)))
+
+    def weigh(self, before: Moment, after: Moment) -> float:
+        """Energy that a step would make out of nothing [J]; see `solve.dynamic.Account`."""
+        elastic, flows = self._flows(before, after)
+        self._weighed = after, elastic, flows
+        return -float(flows[3])
 
     def enter(self, before: Moment, after: Moment) -> None:
         """The row of a step."""
+        moment, elastic, flows = self._weighed or (before, 0.0, _NONE)
+        if moment is not after:
+            elastic, flows = self._flows(before, after)
+        self._add(after, after.time - before.time, elastic, self.rows[-1][_SUMS] + flows)
+
+    @property
+    def made(self) -> float:
+        """Energy that the steps have made out of nothing so far, less what they took [J]."""
+        return -float(self.rows[-1][_SUMS][3])
+
+    def _flows(self, before: Moment, after: Moment) -> tuple[float, Floats]:
+        """Elastic energy after a step, and what came and went in it, as in the history [J]."""
         old, new = self.acting.at(before.time), self.acting.at(after.time)
         elastic, load = _split(new, after.x)
-        last = dict(zip(COLUMNS, self.rows[-1], strict=True))
         if old is new:
             work, pushed = 0.0, _split(new, before.x)[1] - load
         else:
@@ -103,11 +124,9 @@ class Ledger:
             work = 0.5 * ((e01 - e00) + (elastic - e10))
             pushed = 0.5 * ((l01 - load) + (l00 - l10))
         kinetic = self.inertia.kinetic(after.velocity)
-        gained = kinetic + elastic - last["kinetic_J"] - last["elastic_J"]
+        gained = kinetic + elastic - float(self.rows[-1][_ENERGIES].sum())
         taken = work + pushed - after.dissipated - gained
-        sums = np.array([last[name] for name in list(COLUMNS)[7:11]])
-        sums += (work, pushed, after.dissipated, taken)
-        self._add(after, after.time - before.time, elastic, sums)
+        return elastic, np.array([work, pushed, after.dissipated, taken])
 
     def _add(self, moment: Moment, step: float, elastic: float, sums: Floats) -> None:
         speeds = np.linalg.norm(moment.velocity[: self.nodes].reshape(-1, 3), axis=1)

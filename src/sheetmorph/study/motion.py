@@ -95,7 +95,6 @@ def simulate_motion(
 
     def on_moment(before: Moment, after: Moment) -> None:
         started = perf_counter()
-        ledger.enter(before, after)
         if _count(after.time, table.interval) > _count(before.time, table.interval):
             moments.append(after)
             record.write(after, ledger)
@@ -108,7 +107,7 @@ def simulate_motion(
         sheet.inertia,
         moments[-1],
         sheet.options,
-        scale=lambda: ledger.largest,
+        account=ledger,
         on_event=aside.tell,
         on_moment=on_moment,
     )
