@@ -48,7 +48,8 @@ def run(
     """Compute the shape of the design FILE and write a folder of results.
 
     The folder receives result.h5 (every state), summary.json, shape.stl, a series for
-    ParaView, pictures, an animation and report.html.
+    ParaView, pictures, an animation and report.html. With solver.kind = "dynamic" the sheet
+    moves in time, and motion.csv has its energies.
 
     \b
     Examples:
@@ -99,6 +100,8 @@ def _tell(summary: dict[str, Any], folder: Path, notes: list[str]) -> None:
         return
     width, depth, height = (1e3 * value for value in summary["bbox_m"])
     stable = "stable" if summary["stable"] else f"{summary['negative_pivots']} negative pivots"
+    if not summary.get("motion", {}).get("at_rest", True):
+        stable = "in motion"
     seconds = summary["seconds"]
     click.echo(
         f"{summary['name']}: {summary['status']} at {100 * summary['actuation_reached']:.0f} % of "
@@ -108,10 +111,26 @@ def _tell(summary: dict[str, Any], folder: Path, notes: list[str]) -> None:
         f"  mesh       {summary['nodes']} nodes, {summary['triangles']} triangles\n"
         f"  solve      {seconds['total']:.2f} s, {summary['factorisations']} factorisations by "
         f"{summary['solver']}, {summary['states']} states\n"
+        f"{_motion(summary)}"
         f"{_stability(summary)}"
         f"  everything {seconds['wall']:.1f} s\n"
         f"results in {folder}{'/' if not str(folder).endswith('/') else ''}"
         f"{' (open report.html)' if (folder / 'report.html').is_file() else ''}"
+    )
+
+
+def _motion(summary: dict[str, Any]) -> str:
+    """What moved, and where its energy went; nothing for equilibria."""
+    if "motion" not in summary:
+        return ""
+    told = summary["motion"]
+    rest = "at rest after" if told["at_rest"] else "in motion after"
+    return (
+        f"  motion     {rest} {told['time_s']:.4g} s, {told['steps']} steps "
+        f"({told['integrator'].replace('_', ' ')}), fastest {told['fastest_m_per_s']:.3g} m/s\n"
+        f"  energy     {1e3 * told['actuation_work_J']:.3g} mJ by the actuation, "
+        f"{1e3 * told['load_work_J']:.3g} mJ by loads; {1e3 * told['damped_J']:.3g} mJ damped, "
+        f"{1e3 * told['numerical_J']:.3g} mJ lost to the steps\n"
     )
 
 

@@ -73,6 +73,7 @@ def write_vtu_series(
     times: ArrayLike,
     point_fields: Mapping[str, ArrayLike] | None = None,
     cell_fields: Mapping[str, ArrayLike] | None = None,
+    clock: ArrayLike | None = None,
 ) -> Path:
     """Write every state as `name_0000.vtu`, … and an index `name.pvd` for ParaView.
 
@@ -86,6 +87,7 @@ def write_vtu_series(
             as ParaView needs; else the number of the state is.
         point_fields: values at the nodes by name, each of shape (S, V) or (S, V, k).
         cell_fields: values on the triangles by name, each of shape (S, T) or (S, T, k).
+        clock: times for the index, increasing [s], shape (S,); none by default.
 
     Returns:
         The path of the index. It is written last: when it is there, all states are.
@@ -140,6 +142,8 @@ def write_vtu_series(
         )
         write_bytes(target / file, text.encode())
         time = abs(float(moment)) if increasing else float(state)
+        if clock is not None:
+            time = float(np.asarray(clock)[state])
         entries.append(f'<DataSet timestep="{time!r}" part="0" file={quoteattr(file)}/>\n')
     index = target / f"{name}.pvd"
     write_text(

@@ -2,10 +2,15 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 from numpy.typing import NDArray
 
 from sheetmorph.geometry.mesh import Floats, SheetMesh
+
+if TYPE_CHECKING:
+    from sheetmorph.study.result import Result
 
 MIN_ANGLE_RANGE = 0.01
 MIN_STRAIN_RANGE = 1e-3
@@ -51,6 +56,14 @@ def shown_range(values: Floats, limits: tuple[float, float]) -> tuple[float, flo
     high = max(float(np.max(values, initial=0.0)), 0.0)
     lack = 0.1 * (limits[1] - limits[0]) - (high - low)
     return (low, high) if lack <= 0 else (low - 0.5 * lack, high + 0.5 * lack)
+
+
+def clock_of(result: Result) -> tuple[Floats, Floats]:
+    """What `pick_states` and `motion` spread evenly: actuation and load, or time, from 0 to 1."""
+    if result.motion is None:
+        return result.ramp, result.load_fraction
+    time = result.motion.time
+    return time / (float(time[-1]) or 1.0), np.zeros(len(time))
 
 
 def pick_states(ramp: Floats, load: Floats, count: int) -> list[int]:

@@ -14,6 +14,7 @@ from sheetmorph.core.files import write_bytes
 from sheetmorph.geometry.mesh import Floats
 from sheetmorph.show import fields, scene, style
 from sheetmorph.show.flat import actuation_text
+from sheetmorph.show.motion import time_text
 from sheetmorph.show.pictures import borrowed
 from sheetmorph.show.render import RenderWorker
 from sheetmorph.show.scene import Image, Job, View
@@ -27,6 +28,8 @@ SIZE = (640, 480)
 _HEAD, _BAR = 66, 5
 _SCENE = (SIZE[0], SIZE[1] - _HEAD - _BAR)
 FRAMES = 40
+MOST_FRAMES = 120
+"""Of a motion, which has a frame for each state that was kept."""
 FRAME_TIME = 70
 HOLD_FIRST, HOLD_LAST = 500, 2200
 """Milliseconds for which a frame, the first and the last one stay."""
@@ -53,26 +56,28 @@ def write_film(result: Result, folder: str | Path, worker: RenderWorker | None =
         return save_film(result, Path(folder), painter.draw(job), actuation)
 
 
-def film_job(result: Result, base: Job | None = None, frames: int = FRAMES) -> tuple[Job, Floats]:
-    """The frames to draw, and the actuation of each, shape (frames,).
+def film_job(
+    result: Result, base: Job | None = None, frames: int | None = None
+) -> tuple[Job, Floats]:
+    """The frames to draw, and the actuation of each, or the time of a motion, shape (frames,).
 
     The textures are those of `base`, when it is given.
     """
-    moved, actuation = fields.motion(
-        result.positions, result.ramp, result.load_fraction, result.actuation, frames
-    )
+    ramp, load = fields.clock_of(result)
+    told = result.actuation if result.motion is None else result.motion.time
+    if frames is None:
+        frames = FRAMES if result.motion is None else min(max(FRAMES, len(told)), MOST_FRAMES)
+    moved, told = fields.motion(result.positions, ramp, load, told, frames)
     camera = scene.perspective().fitted(moved.reshape(-1, 3), _SCENE, 0.03)
     plain = white(moved.shape[1])
     views = tuple(View(points, plain, SHAPE_COLOURS, camera, _SCENE) for points in moved)
-    return replace(base or base_job(result), views=views), actuation
+    return replace(base or base_job(result), views=views), told
 
 
-def save_film(result: Result, folder: Path, images: Iterator[Image], actuation: Floats) -> Path:
+def save_film(result: Result, folder: Path, images: Iterator[Image], told: Floats) -> Path:
     """Write the film, given the frames that the renderer has begun to draw."""
     pen = _Pen(result)
-    frames = [
-        pen.labelled(image, float(value)) for image, value in zip(images, actuation, strict=True)
-    ]
+    frames = [pen.labelled(image, float(value)) for image, value in zip(images, told, strict=True)]
     data = encode(frames)
     while len(data) > MAX_BYTES and frames[0].width > SIZE[0] // 3:
         frames = [frame.resize((frame.width * 4 // 5, frame.height * 4 // 5)) for frame in frames]
@@ -124,18 +129,20 @@ class _Pen:
         self._large = ImageFont.truetype(str(fonts / "DejaVuSans.ttf"), 22)
         self._small = ImageFont.truetype(str(fonts / "DejaVuSans.ttf"), 15)
         self._name = style.shortened(result.design.name, 60)
-        self._full = float(result.summary["eps_pre"])
+        self._text = actuation_text if result.motion is None else time_text
+        motion = result.motion
+        self._full = float(result.summary["eps_pre"] if motion is None else motion.time[-1])
 
-    def labelled(self, image: Image, actuation: float) -> Any:
+    def labelled(self, image: Image, told: float) -> Any:
         from PIL import Image as Pillow
         from PIL import ImageDraw
 
         frame = Pillow.new("RGB", SIZE, "white")
         frame.paste(Pillow.fromarray(image), (0, _HEAD))
         pen = ImageDraw.Draw(frame)
-        pen.text((18, 14), actuation_text(actuation), fill=style.INK, font=self._large)
+        pen.text((18, 14), self._text(told), fill=style.INK, font=self._large)
         pen.text((18, 44), self._name, fill=style.MUTED, font=self._small)
-        share = min(max(actuation / self._full, 0.0), 1.0) if self._full else 1.0
+        share = min(max(told / self._full, 0.0), 1.0) if self._full else 1.0
         top = frame.height - _BAR
         pen.rectangle((0, top, frame.width, frame.height), fill="#e6eaee")
         pen.rectangle(

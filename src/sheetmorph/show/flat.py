@@ -97,21 +97,22 @@ def write_thermal_strain(result: Result, path: Path) -> Path:
 
 
 def write_aspect_ratio(result: Result, path: Path) -> Path:
-    """Height over width of the shape against actuation."""
+    """Height over width of the shape against actuation, or against the time of a motion."""
     sheet = Sheet(WIDTH, 700)
     sheet.title("Height over width", subtitle(result))
     axes = sheet.inset(116, 138, WIDTH - 116 - 56, 700 - 138 - 120)
-    actuation, ratio = result.actuation, np.nan_to_num(result.aspect_ratio)
+    motion, ratio = result.motion, np.nan_to_num(result.aspect_ratio)
+    along = result.actuation if motion is None else motion.time
     blue = style.colour(style.BILAYER)
-    axes.plot(actuation, ratio, "-", color=blue, lw=2, zorder=2)
+    axes.plot(along, ratio, "-", color=blue, lw=2, zorder=2)
     load = result.load_fraction  # states with a part of the load are on the line, unmarked
     for chosen, face, label in (
         (load >= max(float(load.max()), 1e-9), "white", "with the perturbation load"),
         (load <= 0, blue, "without load"),
     ):
-        if chosen.any():
+        if chosen.any() and motion is None:
             axes.plot(
-                actuation[chosen],
+                along[chosen],
                 ratio[chosen],
                 "o",
                 ms=6.5,
@@ -123,19 +124,21 @@ def write_aspect_ratio(result: Result, path: Path) -> Path:
                 zorder=3,
                 clip_on=False,
             )
-    end = float(result.summary["eps_pre"])
-    reach = end or -1.0
+    end = float(result.summary["eps_pre"] if motion is None else along[-1])
+    reach = end or (-1.0 if motion is None else 1.0)
     axes.set_xlim(-0.02 * reach, reach * 1.06)
     axes.set_ylim(0.0, max(1.2 * float(np.max(ratio)), 0.01))
-    axes.set_xlabel("actuation εₚᵣₑ, free strain of the film  [–]", labelpad=8)
+    free = "actuation εₚᵣₑ, free strain of the film  [–]"
+    axes.set_xlabel(free if motion is None else "time  [s]", labelpad=8)
     axes.set_ylabel("h/d  [–]", labelpad=8)
     axes.grid(color=style.FAINT, lw=0.6)
     axes.set_axisbelow(True)
     for side in ("top", "right"):
         axes.spines[side].set_visible(False)
-    last = f"h/d = {ratio[-1]:.3f} at {actuation_text(float(actuation[-1]))}"
+    last = f"h/d = {ratio[-1]:.3f} at {actuation_text(float(result.actuation[-1]))}"
     sheet.text(WIDTH - 24, sheet.height - 20, last, ha="right", va="top", fontsize=16)
-    axes.legend(loc="upper left", frameon=False)
+    if motion is None:
+        axes.legend(loc="upper left", frameon=False)
     sheet.foot("h: height of the shape; d: largest width of its outline seen from above")
     return sheet.save(path)
 

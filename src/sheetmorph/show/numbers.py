@@ -63,6 +63,23 @@ _TABLES: tuple[tuple[str, tuple[tuple[str, str, float, str], ...]], ...] = (
         ),
     ),
     (
+        "Motion",
+        (
+            ("Integrator", "motion.integrator", 1.0, ""),
+            ("Time at the end", "motion.time_s", 1.0, "s"),
+            ("Steps", "motion.steps", 1.0, ""),
+            ("Steps tried again", "motion.rejected_steps", 1.0, ""),
+            ("At rest", "motion.at_rest", 1.0, ""),
+            ("Mass", "motion.mass_kg", 1e3, "g"),
+            ("Highest speed", "motion.fastest_m_per_s", 1.0, "m/s"),
+            ("Largest kinetic energy", "motion.kinetic_peak_J", 1e3, "mJ"),
+            ("Work of the actuation", "motion.actuation_work_J", 1e3, "mJ"),
+            ("Work of the loads", "motion.load_work_J", 1e3, "mJ"),
+            ("Taken by damping", "motion.damped_J", 1e3, "mJ"),
+            ("Taken by the steps in time", "motion.numerical_J", 1e3, "mJ"),
+        ),
+    ),
+    (
         "Equilibrium",
         (
             ("Negative pivots of the Hessian", "negative_pivots", 1.0, ""),
@@ -144,6 +161,8 @@ def banner_of(result: Result) -> Banner:
         title = f"Not completed: {result.status.replace('_', ' ')}"
         lines.append(f"What is shown is the last state reached, at eps_pre = {reached}.")
         return Banner(False, title, [*lines, *([f"Remedy: {remedy}"] if remedy else [])])
+    if result.motion is not None and not summary["motion"]["at_rest"]:
+        return Banner(True, "Completed; the sheet is still in motion", lines)
     if not summary.get("stable", True):
         lines.append(
             f"The Hessian has {summary.get('negative_pivots', 'some')} negative pivots: a small "

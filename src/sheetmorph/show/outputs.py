@@ -7,11 +7,12 @@ from time import perf_counter
 
 from sheetmorph.core.errors import InputError
 from sheetmorph.core.events import Listener, Progress, silent
+from sheetmorph.core.files import write_text
 from sheetmorph.design.spec import Design
 from sheetmorph.geometry.writers import write_stl, write_vtu_series
 from sheetmorph.show import fields
 from sheetmorph.show.folder import write_folder
-from sheetmorph.show.pictures import NAMES
+from sheetmorph.show.pictures import MOTION_NAMES, NAMES
 from sheetmorph.show.render import RenderWorker
 from sheetmorph.study.journal import Journal
 from sheetmorph.study.result import Result
@@ -20,8 +21,8 @@ from sheetmorph.study.stability import stability_of, write_modes
 
 OUTPUTS = (
     *("result.h5", "summary.json", "shape.stl", "animation.gif", "report.html", "modes.h5"),
-    *("series/shape.pvd", "series/shape_[0-9]*.vtu"),
-    *(f"pictures/{name}" for name in NAMES),
+    *("motion.csv", "series/shape.pvd", "series/shape_[0-9]*.vtu"),
+    *(f"pictures/{name}" for name in (*NAMES, *MOTION_NAMES)),
 )
 """What a run writes into its folder, and what the next one there replaces: nothing else."""
 
@@ -43,8 +44,9 @@ def run_design(
 
     Args:
         design: what to simulate.
-        folder: where to write: result.h5, summary.json, shape.stl, and as the design's
-            `outputs` ask: series/ for ParaView, pictures/, animation.gif, report.html.
+        folder: where to write: result.h5, summary.json, shape.stl, of a motion
+            motion.csv, and as the design's `outputs` ask: series/ for ParaView, pictures/,
+            animation.gif, report.html.
         resume: go on from the states that an unfinished run left in the folder.
         force: replace the results that are in the folder.
         modes: how many of the softest modes of every state to compute and write as modes.h5.
@@ -60,6 +62,12 @@ def run_design(
     """
     began = perf_counter() if started is None else started
     place = Path(folder)
+    if modes and design.solver.kind == "dynamic":
+        raise InputError(
+            "modes are those of equilibria; compute them with solver.kind = quasi_static",
+            key="--modes",
+            value=modes,
+        )
     journal = Journal.of_run(place, _outdated(place) if force else ())
     _guard(place, journal, resume, force)
     wanted = design.outputs
@@ -76,6 +84,8 @@ def run_design(
             found, result.summary["stability"] = stability_of(result, modes)
             write_modes(found, place / "modes.h5")
         result.save(place)
+        if result.motion is not None:
+            write_text(place / "motion.csv", result.motion.to_csv())
         write_stl(place / "shape.stl", result.mesh.triangles, result.positions[-1])
         if wanted.series:
             write_series(result, place)
@@ -117,6 +127,7 @@ def write_series(result: Result, folder: str | Path) -> Path:
         mesh.triangles,
         result.positions,
         result.ramp,
+        clock=None if result.motion is None else result.motion.time,
         point_fields={
             "height_m": result.height,
             "mean_curvature_per_m": result.mean_curvature,

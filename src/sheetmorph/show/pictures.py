@@ -28,6 +28,9 @@ NAMES = (
 )
 """Files that `write_pictures` writes, in the order of the report."""
 
+MOTION_NAMES = ("energies.png",)
+"""What it writes besides of a motion."""
+
 
 def write_pictures(
     result: Result, folder: str | Path, worker: RenderWorker | None = None
@@ -41,7 +44,7 @@ def write_pictures(
             here when absent. Its `note` says when VTK could not be used.
 
     Returns:
-        The paths of the files, in the order of `NAMES`.
+        The paths of the files, in the order of `NAMES`, then of `MOTION_NAMES`.
 
     Raises:
         OutputError: a file cannot be written; no half-written file is left.
@@ -56,7 +59,7 @@ def write_pictures(
 
 def compose(result: Result, folder: Path, plan: stills.Plan, images: Iterator[Image]) -> list[Path]:
     """Write all pictures, given those that the renderer has begun to draw."""
-    from sheetmorph.show import flat, stills, style
+    from sheetmorph.show import flat, motion, stills, style
 
     target = folder / FOLDER
     with style.style():
@@ -66,8 +69,11 @@ def compose(result: Result, folder: Path, plan: stills.Plan, images: Iterator[Im
             flat.write_thermal_strain(result, target / "thermal_strain.png"),
             flat.write_aspect_ratio(result, target / "aspect_ratio.png"),
         ]
+        if result.motion is not None:
+            paths.append(motion.write_energies(result, target / motion.NAME))
         paths += stills.write(result, plan, images, target)
-    return sorted(paths, key=lambda path: NAMES.index(path.name))
+    order = (*NAMES, *MOTION_NAMES)
+    return sorted(paths, key=lambda path: order.index(path.name))
 
 
 def shape_png(result: Result, size: tuple[int, int] = (900, 620)) -> bytes:

@@ -37,7 +37,8 @@ _CAPTIONS = {
     "side.png": ("The shape from the side (parallel projection); z is not exaggerated.", False),
     "dihedral.png": ("How far the sheet is folded: dihedral angle between triangles.", False),
     "strain.png": ("How far the sheet is stretched: l/l₀ − 1 of the edges.", False),
-    "aspect_ratio.png": ("Height over width of the shape against actuation.", True),
+    "aspect_ratio.png": ("Height over width of the shape against actuation, or time.", True),
+    "energies.png": ("Where the energy of the motion comes from, and where it goes.", True),
 }
 
 

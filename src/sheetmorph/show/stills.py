@@ -12,7 +12,8 @@ import numpy as np
 from sheetmorph.geometry.mesh import Floats
 from sheetmorph.show import fields, scene, style
 from sheetmorph.show.cells import PaintedCell, painted_cells
-from sheetmorph.show.flat import actuation_text, subtitle
+from sheetmorph.show.flat import subtitle
+from sheetmorph.show.motion import state_text
 from sheetmorph.show.scene import Camera, Colours, Image, Job, View
 from sheetmorph.show.style import Sheet
 from sheetmorph.show.texture import OUTLINE, REGIONS, UNDER_REGIONS, textures
@@ -95,7 +96,8 @@ def white(count: int) -> Colours:
 def plan(result: Result) -> Plan:
     """Decide what to draw of a result."""
     mesh, final = result.mesh, result.positions[-1]
-    states = fields.pick_states(result.ramp, result.load_fraction, STATES)
+    ramp, load = fields.clock_of(result)
+    states = fields.pick_states(ramp, load, STATES)
     angle = np.array([fields.hinges_to_nodes(mesh, np.abs(result.dihedral[k])) for k in states])
     strain = np.array([fields.edges_to_nodes(mesh, result.strain[k]) for k in states])
     angles = Field(
@@ -156,7 +158,9 @@ def write(result: Result, plan: Plan, images: Iterator[Image], folder: Path) -> 
 
 def state_name(result: Result) -> str:
     """What the last state is: the final shape, or as far as the run came."""
-    reached = actuation_text(float(result.actuation[-1]))
+    reached = state_text(result, -1)
+    if result.motion is not None:
+        return f"{reached}, {'at rest' if result.summary['motion']['at_rest'] else 'in motion'}"
     return reached if result.ramp[-1] > 1 - 1e-9 else f"last state reached, {reached}"
 
 
@@ -271,7 +275,7 @@ def _write_overview(result: Result, plan: Plan, images: list[Image], path: Path)
             box = (label + columns * cell[0] + 10.0, y + 8.0, 18.0, cell[1] - 52.0)
             field.draw_bar(sheet, box)
     for column, state in enumerate(plan.states):
-        text = actuation_text(float(result.actuation[state]))
+        text = state_text(result, state)
         sheet.text(
             label + (column + 0.5) * cell[0],
             sheet.height - header + 18,

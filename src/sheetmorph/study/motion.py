@@ -112,8 +112,10 @@ def simulate_motion(
         on_moment=on_moment,
     )
     solved = perf_counter() - start - aside.seconds
-    if motion.last.time > moments[-1].time or motion.at_rest:
+    if motion.last.time > moments[-1].time:
         moments.append(motion.last)
+    elif motion.at_rest:
+        moments[-1] = motion.last
     if motion.status is not Status.COMPLETED:
         on_event(Notice(f"{motion.status}: {REMEDIES[motion.status]}"))
     return _result(sheet, ledger, moments, motion, began, solved, aside.rejected)

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from sheetmorph.core.errors import InputError, OutputError
 from sheetmorph.core.files import replacing
+from sheetmorph.study.motion_record import COLUMNS, MotionRecord
 
 if TYPE_CHECKING:
     from sheetmorph.study.result import Result
@@ -50,6 +51,7 @@ _MODEL = (
     "coupling",
     "held_nodes",
 )
+_MOTION = ("time", "loads", "velocity")
 _MESH = ("nodes", "triangles", "edges", "hinges", "hinge_edges")
 
 
@@ -76,6 +78,8 @@ def write_result(result: Result, path: Path) -> None:
                 for name in _STATES:
                     _write(file, f"states/{name}", getattr(result, name))
                 _write(file, _SCALARS, result.scalars)
+                if result.motion is not None:
+                    _write_motion(file, result.motion)
                 for name in _MODEL:
                     _write(file, f"model/{name}", getattr(result, name))
                 for name, (unit, text) in FIELDS.items():
@@ -84,6 +88,15 @@ def write_result(result: Result, path: Path) -> None:
                     dataset.attrs["description"] = text
         except RuntimeError as error:
             raise OutputError(f"{path}: cannot be written ({error})") from error
+
+
+def _write_motion(file: Any, motion: MotionRecord) -> None:
+    for name in _MOTION:
+        _write(file, f"motion/{name}", getattr(motion, name))
+    for name, (unit, text) in COLUMNS.items():
+        dataset = _write(file, f"motion/history/{name}", motion.history[name])
+        dataset.attrs["unit"] = unit
+        dataset.attrs["description"] = text
 
 
 def _write(file: Any, name: str, data: NDArray[Any]) -> Any:
@@ -95,8 +108,8 @@ def read_result(path: Path) -> dict[str, Any]:
     """Read the parts of a result file, checked for shape and size.
 
     Returns:
-        "design" (TOML text), "summary", "mesh" (arrays by name) and the arrays of the states
-        and of the model by their names.
+        "design" (TOML text), "summary", "mesh" (arrays by name), "motion" (None for equilibria)
+        and the arrays of the states and of the model by their names.
 
     Raises:
         InputError: the file is not there, is truncated, or is no result of sheetmorph.
@@ -123,6 +136,7 @@ def read_result(path: Path) -> dict[str, Any]:
             # Files of the first version have no scalar unknowns.
             none = np.zeros((len(parts["ramp"]), 0))
             parts["scalars"] = _read(file, _SCALARS) if _SCALARS in file else none
+            parts["motion"] = _read_motion(file) if "motion" in file else None
     except InputError:
         raise
     except (OSError, RuntimeError, KeyError, ValueError, TypeError, AttributeError) as error:
@@ -139,6 +153,12 @@ def _read(file: Any, name: str) -> NDArray[Any]:
     if dataset.dtype.kind not in "fiub":
         raise InputError(f"{name} does not hold numbers")
     return np.asarray(dataset[()])
+
+
+def _read_motion(file: Any) -> MotionRecord:
+    time, loads, velocity = (_read(file, f"motion/{name}") for name in _MOTION)
+    history = {name: _read(file, f"motion/history/{name}") for name in COLUMNS}
+    return MotionRecord(time, loads, velocity, history)
 
 
 def _check_shapes(parts: dict[str, Any], path: Path) -> None:
@@ -162,6 +182,13 @@ def _check_shapes(parts: dict[str, Any], path: Path) -> None:
         "held_nodes": parts["held_nodes"].shape[:1],
     }
     shapes = {name: parts[name].shape for name in expected}
+    motion = parts["motion"]
+    if motion is not None:
+        steps = motion.history["time_s"].shape[:1]
+        expected |= {"time": (s,), "loads": (s,), "velocity": (s, v, 3)}
+        expected |= dict.fromkeys(COLUMNS, steps)
+        shapes |= {name: getattr(motion, name).shape for name in _MOTION}
+        shapes |= {name: motion.history[name].shape for name in COLUMNS}
     expected_mesh = {
         "nodes": (v, 3),
         "triangles": (t, 3),
