@@ -29,7 +29,6 @@ def main() -> None:
         picture = fitted(picture)
         with replacing(PAGE / f"preset-{name}.png") as partial:
             picture.quantize(128).save(partial, optimize=True)
-        print(name, (PAGE / f"preset-{name}.png").stat().st_size, "bytes")
 
 
 def fitted(picture: Image.Image) -> Image.Image:

@@ -22,9 +22,10 @@ def obey(session: Session, text: str) -> None:
     """Do what a message says; what cannot be done is told to the browser."""
     try:
         order = json.loads(text)
-        if not isinstance(order, dict) or order.get("do") not in ORDERS:
+        what = order.get("do") if isinstance(order, dict) else None
+        if not isinstance(what, str) or what not in ORDERS:
             raise InputError("this is no order that the studio knows")
-        ORDERS[order["do"]](session, order)
+        ORDERS[what](session, order)
     except (ValueError, RecursionError):
         session.tell("problem", text="this message is no JSON", about="order")
     except SheetmorphError as error:

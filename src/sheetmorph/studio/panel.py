@@ -38,11 +38,20 @@ _TABLES: tuple[tuple[str, str], ...] = (
     ("actuation", "Actuation"),
     ("perturbation", "Perturbation load"),
     ("mesh", "Mesh"),
-    ("published", "Options of the published model"),
-    ("laminate", "Options of the laminate model"),
+    ("published", "Mechanical model"),
+    ("laminate", "Mechanical model"),
     ("solver", "Solver"),
 )
-_FOLDED = {"published", "laminate", "solver"}
+MODELS = ("published", "laminate")
+_FOLDED = {*MODELS, "solver"}
+_MODEL = {
+    "key": "model",
+    "label": "Model",
+    "type": "choice",
+    "choices": list(MODELS),
+    "help": "of the mechanics: the reduced one of the paper, or layered shells",
+    "given": True,
+}
 
 
 def panel(design: Design) -> list[dict[str, Any]]:
@@ -54,18 +63,12 @@ def panel(design: Design) -> list[dict[str, Any]]:
     for index, layer in enumerate(design.layers):
         groups.append(_group(f"layers.{index}", f"Layer {index + 1}: {layer.name}", layer))
     for name, title in _TABLES:
-        if name in ("published", "laminate") and name != design.model:
+        if name in MODELS and name != design.model:
             continue
         group = _group(name, title, getattr(design.spec, name))
+        if name in MODELS:
+            group["entries"].insert(0, {**_MODEL, "value": design.model})
         groups.append(group | {"folded": name in _FOLDED})
-    model: dict[str, Any] = {
-        "key": "model",
-        "label": "Model",
-        "type": "choice",
-        "value": design.model,
-    }
-    model |= {"choices": ["published", "laminate"], "help": "of the mechanics"}
-    groups[-1 - len(_FOLDED) + 1]["entries"].insert(0, model)
     return [group for group in groups if group["entries"]]
 
 

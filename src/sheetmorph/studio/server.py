@@ -220,6 +220,7 @@ async def _serve(studio: Studio, session: Session, wire: WebSocket) -> None:
         version=__version__,
         presets=list(PRESETS),
         file=None if file is None else file.name,
+        fresh=not session.begun,
     )
     sender = asyncio.get_running_loop().create_task(session.outbox.send_all(wire))
     try:

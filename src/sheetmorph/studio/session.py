@@ -235,12 +235,13 @@ class Session:
                 for key, value in wish.values.items():
                     if self._pending.get(key) == value:
                         del self._pending[key]
-            self.tell("history", **self._steps())
         if kind == "scene" and not head["preview"]:
             self._full_seconds = head["numbers"]["seconds"]
         if kind in ("design", "scene") and not wish.drag:
             self._last[kind] = packet
         self.outbox.put(kind, packet)
+        if kind == "design":
+            self.tell("history", **self._steps())
 
     def _conclude(self, wish: Wish, ended: Ended) -> None:
         if ended["ended"] == "cancelled":
