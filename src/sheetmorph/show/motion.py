@@ -48,7 +48,7 @@ def write_energies(result: Result, path: Path) -> Path:
     motion = result.motion
     assert motion is not None  # noqa: S101  asked for with a motion alone
     rows = 2 if any(np.abs(motion.history[name]).max() > 0.0 for name, _, _ in _FLOWS) else 1
-    sheet = Sheet(WIDTH, 250 + 330 * rows)
+    sheet = Sheet(WIDTH, 216 + 330 * rows)
     sheet.title("Energies of the motion", subtitle(result, str(result.summary["status"])))
     width = WIDTH - 116 - 56
     for row, (columns, label) in enumerate(

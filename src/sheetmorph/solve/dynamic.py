@@ -107,8 +107,9 @@ class Account(Protocol):
         """Energy that the steps have made out of nothing so far, less what they took [J]."""
         ...
 
-    def weigh(self, before: Moment, after: Moment) -> float:
-        """Energy that a step would make out of nothing [J]; negative where it takes some."""
+    def weigh(self, before: Moment, after: Moment) -> tuple[float, float]:
+        """Energy that a step would make out of nothing, negative where it takes some, and the
+        kinetic and elastic energy after it [J]."""
         ...
 
     def enter(self, before: Moment, after: Moment) -> None:
@@ -232,8 +233,8 @@ def _step(
             moment, error = pull.arrival(found.x, found.residual, time)
             factor, reason = _factor(error, options), f"an error of {error:.2g} m"
             if error <= options.step_error:
-                made = account.weigh(here, moment)
-                if made <= STEP_GAIN * max(account.largest, small):
+                made, after = account.weigh(here, moment)
+                if made <= STEP_GAIN * max(account.largest, after, small):
                     break
                 factor, reason = 0.5, f"{made:.2g} J out of nothing"
         on_event(TimeStepRejected(time, size, reason))

@@ -94,11 +94,11 @@ class Ledger:
         energies = rows[:, _ENERGIES].sum(axis=1)
         self.largest = max(self.largest, float(energies.max(initial=0.0)))
 
-    def weigh(self, before: Moment, after: Moment) -> float:
-        """Energy that a step would make out of nothing [J]; see `solve.dynamic.Account`."""
+    def weigh(self, before: Moment, after: Moment) -> tuple[float, float]:
+        """Energy that a step makes out of nothing, and that after it [J]."""
         elastic, flows = self._flows(before, after)
         self._weighed = after, elastic, flows
-        return -float(flows[3])
+        return -float(flows[3]), elastic + self.inertia.kinetic(after.velocity)
 
     def enter(self, before: Moment, after: Moment) -> None:
         """The row of a step."""
