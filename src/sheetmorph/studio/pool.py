@@ -37,6 +37,7 @@ class Worker:
         self._memory, self._warm = memory, warm
         self._process: asyncio.subprocess.Process | None = None
         self._job: int | None = None
+        self._ending: set[asyncio.Task[None]] = set()
 
     @property
     def pid(self) -> int | None:
@@ -47,6 +48,7 @@ class Worker:
         """Start the process, if there is none."""
         if self._process is not None and self._process.returncode is None:
             return
+        self.kill()
         command = [sys.executable, "-m", "sheetmorph.studio.worker", str(self._memory)]
         self._process = await asyncio.create_subprocess_exec(
             *command,
@@ -106,18 +108,21 @@ class Worker:
         asyncio.get_running_loop().call_later(GRACE, self._give_up, number)
 
     def kill(self) -> None:
-        """End the process."""
-        if self._process is not None and self._process.returncode is None:
+        """End the process; `close` waits for it."""
+        process, self._process = self._process, None
+        if process is not None:
             with contextlib.suppress(ProcessLookupError):
-                self._process.kill()
-        self._process = None
+                process.kill()
+            if process.stdin is not None:
+                process.stdin.close()
+            task = asyncio.get_running_loop().create_task(_drained(process))
+            self._ending.add(task)
+            task.add_done_callback(self._ending.discard)
 
     async def close(self) -> None:
         """End the process and wait for it."""
-        process = self._process
         self.kill()
-        if process is not None:
-            await process.wait()
+        await asyncio.gather(*self._ending)
 
     def _give_up(self, number: int) -> None:
         if self._job == number and self._process is not None:
@@ -139,6 +144,12 @@ class Worker:
         if length > MAX_PACKET:
             raise ConnectionError
         return await process.stdout.readexactly(length)
+
+
+async def _drained(process: asyncio.subprocess.Process) -> None:
+    """Wait for the end of a process and of what it had written."""
+    with contextlib.suppress(Exception):
+        await process.communicate()
 
 
 class Ticket:

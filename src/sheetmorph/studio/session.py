@@ -229,12 +229,11 @@ class Session:
         if wish.ticket.cancelled:
             return
         kind = head["kind"]
-        if kind == "design":
-            if wish.commit:
-                self.history = self.history.with_text(head["text"])
-                for key, value in wish.values.items():
-                    if self._pending.get(key) == value:
-                        del self._pending[key]
+        if kind == "design" and wish.commit:
+            self.history = self.history.with_text(head["text"])
+            for key, value in wish.values.items():
+                if self._pending.get(key) == value:
+                    del self._pending[key]
         if kind == "scene" and not head["preview"]:
             self._full_seconds = head["numbers"]["seconds"]
         if kind in ("design", "scene") and not wish.drag:
