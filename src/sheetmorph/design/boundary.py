@@ -23,6 +23,8 @@ BLEND = 0.125
 """Range over which distances from several sides are blended, in widths."""
 ROUND = 0.5
 """Below this distance, in widths, the crease at the boundary itself is rounded."""
+GROUP = 16
+"""Sides that share a box, by which those far away are passed over."""
 NEGLIGIBLE = 40.0
 """Sides farther than the nearest by more than this many ranges do not count: e⁻⁴⁰."""
 
@@ -35,11 +37,13 @@ class Boundary:
         corners: [m], shape (M, 2).
         sides: index of the first corner of each side, the second follows it, shape (S,).
         turns: 1 where the region lies on the left of a side, −1 where on the right, shape (S,).
+        boxes: (low x, low y, high x, high y) of every `GROUP` sides in a row [m], shape (B, 4).
     """
 
     corners: Floats
     sides: NDArray[np.intp]
     turns: Floats
+    boxes: Floats
 
     @classmethod
     def of(cls, region: BaseGeometry) -> Boundary:
@@ -51,7 +55,12 @@ class Boundary:
         sides = np.flatnonzero(ring[1:] == ring[:-1])
         outer = np.concatenate([[True], polygon[1:] != polygon[:-1]])
         turns = np.where(shapely.is_ccw(rings) == outer, 1.0, -1.0)
-        return cls(np.ascontiguousarray(corners), sides, turns[ring[sides]])
+        ends = np.stack([corners[sides], corners[sides + 1]])
+        starts = np.arange(0, len(sides), GROUP)
+        low = np.minimum.reduceat(ends.min(axis=0), starts, axis=0)
+        high = np.maximum.reduceat(ends.max(axis=0), starts, axis=0)
+        boxes = np.concatenate([low, high], axis=1)
+        return cls(np.ascontiguousarray(corners), sides, turns[ring[sides]], boxes)
 
     def share(self, points: Floats, width: float) -> Floats:
         """χ: how much of the neighbourhood of each point lies in the region, shape (N,).
@@ -65,7 +74,7 @@ class Boundary:
             width: w [m].
         """
         found = np.empty(len(points))
-        _shares(points, self.corners, self.sides, self.turns, 0.5 * width, found)
+        _shares(points, self.corners, self.sides, self.turns, self.boxes, 0.5 * width, found)
         return found
 
     def away(self, points: Floats, width: float) -> Floats:
@@ -81,7 +90,7 @@ class Boundary:
             width: w [m].
         """
         found = np.empty(len(points))
-        _blended(points, self.corners, self.sides, BLEND * width, ROUND * width, found)
+        _blended(points, self.corners, self.sides, self.boxes, BLEND * width, ROUND * width, found)
         return found
 
     def onto_corners(
@@ -103,6 +112,7 @@ class Boundary:
             self.corners,
             self.sides,
             self.turns,
+            self.boxes,
             0.5 * width,
             found,
         )
@@ -112,6 +122,7 @@ class Boundary:
             by_away[used],
             self.corners,
             self.sides,
+            self.boxes,
             BLEND * width,
             ROUND * width,
             found,
@@ -120,27 +131,41 @@ class Boundary:
 
 
 @kernel
-def _shares(points, corners, sides, turns, radius, found):  # type: ignore[no-untyped-def]
+def _shares(points, corners, sides, turns, boxes, radius, found):  # type: ignore[no-untyped-def]
+    """1 or 0 by the winding number, less what is missing of the angles of sides close by."""
     for i in range(len(points)):
-        total = 0.0
-        for k in range(len(sides)):
+        # A little beside the place: on a side or a corner the winding number is not defined.
+        px, py = points[i, 0] + 7e-11 * radius, points[i, 1] + 3e-11 * radius
+        winding, missing, k = 0.0, 0.0, -1
+        while k + 1 < len(sides):
+            k += 1
+            box = k // GROUP
+            if k % GROUP == 0 and (
+                boxes[box, 3] < py - radius
+                or boxes[box, 1] > py + radius
+                or boxes[box, 2] < px - radius
+            ):
+                k += GROUP - 1  # beside the point, or where its ray does not go
+                continue
             j = sides[k]
-            ax, ay = corners[j, 0] - points[i, 0], corners[j, 1] - points[i, 1]
-            bx, by = corners[j + 1, 0] - points[i, 0], corners[j + 1, 1] - points[i, 1]
-            angle = math.atan2(ax * by - ay * bx, ax * bx + ay * by)
+            ay, by = corners[j, 1] - py, corners[j + 1, 1] - py
+            ax, bx = corners[j, 0] - px, corners[j + 1, 0] - px
+            cross = ax * by - ay * bx
+            if ay <= 0.0 < by and cross > 0.0:
+                winding += turns[k]
+            elif by <= 0.0 < ay and cross < 0.0:
+                winding -= turns[k]
+            if (ax > radius and bx > radius) or (ax < -radius and bx < -radius):
+                continue
             length = math.sqrt((bx - ax) ** 2 + (by - ay) ** 2)
-            if length > 0.0:
-                # p: signed distance of the side's line, positive with the point on its left.
+            if length > 0.0 and abs(cross) < radius * length:
                 ux, uy = (bx - ax) / length, (by - ay) / length
-                p = ax * uy - ay * ux
-                if abs(p) < radius:
-                    reach = math.sqrt(radius * radius - p * p)
-                    start, end = ax * ux + ay * uy, bx * ux + by * uy
-                    s, t = max(start, -reach), min(end, reach)
-                    if t > s:
-                        angle -= _missing(p, s, t, radius)
-            total += turns[k] * angle
-        found[i] = min(max(total / (2.0 * math.pi), 0.0), 1.0)
+                p = cross / length  # positive with the point on the left of the side
+                reach = math.sqrt(radius * radius - p * p)
+                s, t = max(ax * ux + ay * uy, -reach), min(bx * ux + by * uy, reach)
+                if t > s:
+                    missing += turns[k] * _missing(p, s, t, radius)
+        found[i] = min(max(winding - missing / (2.0 * math.pi), 0.0), 1.0)
 
 
 @kernel
@@ -155,11 +180,24 @@ def _missing(p, s, t, radius):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def _pull_shares(points, weights, corners, sides, turns, radius, found):  # type: ignore[no-untyped-def]
+def _outside(px, py, box):  # type: ignore[no-untyped-def]
+    """Distance of a point from a box, 0 in it."""
+    x = max(box[0] - px, px - box[2], 0.0)
+    y = max(box[1] - py, py - box[3], 0.0)
+    return math.sqrt(x * x + y * y)
+
+
+@kernel
+def _pull_shares(points, weights, corners, sides, turns, boxes, radius, found):  # type: ignore[no-untyped-def]
     """A corner's motion v changes χ by ∫ φ v·n along its sides, n the outward normal."""
     scale = 3.0 / (math.pi * radius * radius)
     for i in range(len(points)):
-        for k in range(len(sides)):
+        k = -1
+        while k + 1 < len(sides):
+            k += 1
+            if k % GROUP == 0 and _outside(points[i, 0], points[i, 1], boxes[k // GROUP]) > radius:
+                k += GROUP - 1
+                continue
             j = sides[k]
             ax, ay = corners[j, 0] - points[i, 0], corners[j, 1] - points[i, 1]
             bx, by = corners[j + 1, 0] - points[i, 0], corners[j + 1, 1] - points[i, 1]
@@ -196,64 +234,105 @@ def _rounded(d, rounding):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def _nearest(px, py, corners, j):  # type: ignore[no-untyped-def]
-    """Vector from a side to the point, its foot as a fraction of the side, and its length."""
-    ax, ay = corners[j, 0], corners[j, 1]
-    ex, ey = corners[j + 1, 0] - ax, corners[j + 1, 1] - ay
-    squared = ex * ex + ey * ey
-    t = ((px - ax) * ex + (py - ay) * ey) / squared if squared > 0.0 else 0.0
-    t = min(max(t, 0.0), 1.0)
-    return px - ax - t * ex, py - ay - t * ey, t, math.sqrt(squared)
-
-
-@kernel
-def _blend(point, corners, sides, rounding, blend, values, counts):  # type: ignore[no-untyped-def]
-    """Fill in u and c of every side; return the weighted mean, Σ c exp(…) and the least u."""
+def _distances(px, py, corners, sides, box, squares):  # type: ignore[no-untyped-def]
+    """Squared distance from every side of a box; return the least, of sides with a length."""
     least = math.inf
-    for k in range(len(sides)):
-        x, y, _, length = _nearest(point[0], point[1], corners, sides[k])
-        values[k] = _rounded(math.sqrt(x * x + y * y), rounding)
-        counts[k] = length / (length + blend)
-        if length > 0.0:
-            least = min(least, values[k])
+    for k in range(box * GROUP, min((box + 1) * GROUP, len(sides))):
+        j = sides[k]
+        ax, ay = px - corners[j, 0], py - corners[j, 1]
+        ex, ey = corners[j + 1, 0] - corners[j, 0], corners[j + 1, 1] - corners[j, 1]
+        along, squared = ax * ex + ay * ey, ex * ex + ey * ey
+        if squared == 0.0:
+            squares[k] = math.inf
+            continue
+        if along <= 0.0:
+            squares[k] = ax * ax + ay * ay
+        elif along >= squared:
+            squares[k] = (ax - ex) ** 2 + (ay - ey) ** 2
+        else:
+            squares[k] = (ax * ey - ay * ex) ** 2 / squared
+        least = min(least, squares[k])
+    return least
+
+
+@kernel
+def _nearby(px, py, corners, sides, boxes, rounding, blend, bounds, squares):  # type: ignore[no-untyped-def]
+    """Squared distances from the sides that count, infinite from others.
+
+    Returns:
+        Distance from the nearest side, and that beyond which a side does not count.
+    """
+    first = 0
+    for box in range(len(boxes)):
+        bounds[box] = _outside(px, py, boxes[box])
+        if bounds[box] < bounds[first]:
+            first = box
+    squares[:] = math.inf
+    nearest = math.sqrt(_distances(px, py, corners, sides, first, squares))
+    for box in range(len(boxes)):
+        if box != first and bounds[box] < max(nearest, rounding) + NEGLIGIBLE * blend:
+            square = _distances(px, py, corners, sides, box, squares)
+            nearest = min(nearest, math.sqrt(square))
+    return nearest, max(nearest, rounding) + NEGLIGIBLE * blend
+
+
+@kernel
+def _blend(px, py, corners, sides, boxes, rounding, blend, bounds, squares):  # type: ignore[no-untyped-def]
+    """Weighted mean of u, Σ c exp(…), the least u, and the distance that does not count."""
+    nearest, limit = _nearby(px, py, corners, sides, boxes, rounding, blend, bounds, squares)
+    least = _rounded(nearest, rounding)
     whole, mean = 0.0, 0.0
-    for k in range(len(sides)):
-        over = (values[k] - least) / blend
-        if over < NEGLIGIBLE:
-            weight = counts[k] * math.exp(-over)
-            whole += weight
-            mean += weight * values[k]
-    return mean / whole, whole, least
+    for box in range(len(boxes)):
+        if bounds[box] >= limit:
+            continue
+        for k in range(box * GROUP, min((box + 1) * GROUP, len(sides))):
+            if squares[k] < limit * limit:
+                j = sides[k]
+                ex, ey = corners[j + 1, 0] - corners[j, 0], corners[j + 1, 1] - corners[j, 1]
+                length = math.sqrt(ex * ex + ey * ey)
+                value = _rounded(math.sqrt(squares[k]), rounding)
+                weight = length / (length + blend) * math.exp((least - value) / blend)
+                whole += weight
+                mean += weight * value
+    return mean / whole, whole, least, limit
 
 
 @kernel
-def _blended(points, corners, sides, blend, rounding, found):  # type: ignore[no-untyped-def]
-    values, counts = np.empty(len(sides)), np.empty(len(sides))
+def _blended(points, corners, sides, boxes, blend, rounding, found):  # type: ignore[no-untyped-def]
+    bounds, squares = np.empty(len(boxes)), np.empty(len(sides))
     for i in range(len(points)):
-        found[i], _, _ = _blend(points[i], corners, sides, rounding, blend, values, counts)
+        px, py = points[i, 0], points[i, 1]
+        mean, _, _, _ = _blend(px, py, corners, sides, boxes, rounding, blend, bounds, squares)
+        found[i] = mean
 
 
 @kernel
-def _pull_blended(points, weights, corners, sides, blend, rounding, found):  # type: ignore[no-untyped-def]
-    values, counts = np.empty(len(sides)), np.empty(len(sides))
+def _pull_blended(points, weights, corners, sides, boxes, blend, rounding, found):  # type: ignore[no-untyped-def]
+    bounds, squares = np.empty(len(boxes)), np.empty(len(sides))
     for i in range(len(points)):
-        mean, whole, least = _blend(points[i], corners, sides, rounding, blend, values, counts)
+        px, py = points[i, 0], points[i, 1]
+        mean, whole, least, limit = _blend(
+            px, py, corners, sides, boxes, rounding, blend, bounds, squares
+        )
         for k in range(len(sides)):
-            over = (values[k] - least) / blend
-            if over >= NEGLIGIBLE:
+            if squares[k] >= limit * limit:
                 continue
             j = sides[k]
-            x, y, t, length = _nearest(points[i, 0], points[i, 1], corners, j)
-            if length == 0.0:
-                continue
+            ax, ay = px - corners[j, 0], py - corners[j, 1]
+            ex, ey = corners[j + 1, 0] - corners[j, 0], corners[j + 1, 1] - corners[j, 1]
+            squared = ex * ex + ey * ey
+            length = math.sqrt(squared)
+            t = min(max((ax * ex + ay * ey) / squared, 0.0), 1.0)
+            x, y = ax - t * ex, ay - t * ey
             d = math.sqrt(x * x + y * y)
+            value = _rounded(d, rounding)
             slope = 1.0 / max(d, 1e-300)
             if d < rounding:
                 slope = (3.0 - (d / rounding) ** 2) / (2.0 * rounding)
-            part = weights[i] * math.exp(-over) / whole
-            pull = -part * counts[k] * (1.0 - (values[k] - mean) / blend) * slope
-            longer = part * (values[k] - mean) * blend / (length + blend) ** 2 / length
-            ex, ey = corners[j + 1, 0] - corners[j, 0], corners[j + 1, 1] - corners[j, 1]
+            part = weights[i] * math.exp((least - value) / blend) / whole
+            count = length / (length + blend)
+            pull = -part * count * (1.0 - (value - mean) / blend) * slope
+            longer = part * (value - mean) * blend / (length + blend) ** 2 / length
             found[j, 0] += (1.0 - t) * pull * x - longer * ex
             found[j, 1] += (1.0 - t) * pull * y - longer * ey
             found[j + 1, 0] += t * pull * x + longer * ex

@@ -116,6 +116,18 @@ def lay_out(outline: OutlineShape, pattern: Iterable[Piece]) -> Layout:
     return layout
 
 
+def joined(pieces: Iterable[Piece], regions: Iterable[BaseGeometry]) -> dict[str, MultiPolygon]:
+    """The parts that pieces with these regions make, as `lay_out` draws them [m]; unchecked."""
+    import shapely
+
+    drawn: dict[str, BaseGeometry] = {}
+    for piece, region in zip(pieces, regions, strict=True):
+        before = drawn.get(piece.part)
+        join = getattr(shapely, piece.operation)
+        drawn[piece.part] = region if before is None else join(before, region)
+    return {name: polygons(shape) for name, shape in drawn.items()}
+
+
 def polygons(shape: BaseGeometry) -> MultiPolygon:
     """The parts of a shape that have an area, as one object."""
     import shapely

@@ -9,6 +9,7 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
 
+import numpy as np
 from pydantic import Field, model_validator
 
 from sheetmorph.core.errors import InputError
@@ -193,9 +194,9 @@ def placed(
     import shapely
 
     c, s = math.cos(rotation), math.sin(rotation)
-    return shapely.Polygon(
-        [(centre[0] + c * x - s * y, centre[1] + s * x + c * y) for x, y in corners]
-    )
+    moved = [(centre[0] + c * x - s * y, centre[1] + s * x + c * y) for x, y in corners]
+    polygon: ShapelyPolygon = shapely.polygons(np.array(moved))
+    return polygon
 
 
 def ellipse(

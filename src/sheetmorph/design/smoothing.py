@@ -15,6 +15,8 @@ from sheetmorph.design.sections import EVERYWHERE
 from sheetmorph.geometry.mesh import Floats, SheetMesh
 
 if TYPE_CHECKING:
+    from shapely import MultiPolygon
+
     from sheetmorph.design.spec import Design
 
 SOFTNESS = 0.25
@@ -28,7 +30,9 @@ class Cover:
     Attributes:
         parts: indicator χ of each part, see `Boundary.share`, shape (P, N).
         covered: that of all inert parts together, shape (N,).
-        away: blended distance from their boundary, see `Boundary.away` [m], shape (N,).
+        away: blended distance from their boundary, see `Boundary.away` [m], shape (N,); zero at
+            the edges in the laminate model and the triangles in the published one, whose free
+            strains do not lie there.
     """
 
     parts: Floats
@@ -87,12 +91,18 @@ class SmoothPattern:
         )
 
 
-def smooth_boundaries(design: Design) -> tuple[Mapping[str, Boundary], Boundary]:
+def smooth_boundaries(
+    design: Design, drawn: Mapping[str, MultiPolygon] | None = None
+) -> tuple[Mapping[str, Boundary], Boundary]:
     """The boundaries of the parts of a pattern as drawn, and that of the inert ones together.
 
     Without an inert part the latter is that of all parts; nothing depends on it then.
+
+    Args:
+        design: the design.
+        drawn: parts to take in the place of the design's own.
     """
-    drawn = design.layout.drawn
+    drawn = design.layout.drawn if drawn is None else drawn
     parts = {name: Boundary.of(area) for name, area in drawn.items()}
     inert = {layer.where for layer in design.layers if layer.role == "inert"}
     names = [name for name in drawn if name in inert] or list(drawn)
@@ -112,12 +122,13 @@ def smooth_pattern(design: Design, mesh: SheetMesh) -> SmoothPattern | None:
         return None
     parts, whole = smooth_boundaries(design)
 
-    def cover(points: Floats) -> Cover:
+    def cover(points: Floats, strained: bool = True) -> Cover:
         plane = np.ascontiguousarray(points[:, :2])
         rows = {name: edge.share(plane, width) for name, edge in parts.items()}
         alike = [name for name, edge in parts.items() if edge is whole]
         covered = rows[alike[0]] if alike else whole.share(plane, width)
-        return Cover(np.stack(list(rows.values())), covered, whole.away(plane, width))
+        away = whole.away(plane, width) if strained else np.zeros(len(plane))
+        return Cover(np.stack(list(rows.values())), covered, away)
 
     nodes = cover(mesh.nodes)
     farthest, _ = blended_maximum(nodes.signed, mesh.node_areas, width)
@@ -126,8 +137,8 @@ def smooth_pattern(design: Design, mesh: SheetMesh) -> SmoothPattern | None:
     found = SmoothPattern(
         width=width,
         names=tuple(parts),
-        edges=cover(mesh.edge_midpoints),
-        triangles=cover(mesh.triangle_centroids),
+        edges=cover(mesh.edge_midpoints, not design.laminate),
+        triangles=cover(mesh.triangle_centroids, design.laminate),
         nodes=nodes,
         farthest=farthest,
         areal_masses=np.zeros(len(mesh.triangles)),

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from sheetmorph.design.boundary import Boundary
+from sheetmorph.design.layout import joined
 from sheetmorph.design.meshing import hinge_orientation
 from sheetmorph.design.regions import Regions, hinge_face
 from sheetmorph.design.smoothing import (
@@ -23,10 +25,14 @@ from sheetmorph.geometry.mesh import Floats, SheetMesh
 from sheetmorph.study.model import Problem
 from sheetmorph.study.parameters import model_arrays
 
+if TYPE_CHECKING:
+    from shapely import MultiPolygon
+    from shapely.geometry.base import BaseGeometry
+
 STEP = 1e-5
 """Of central differences of arrays, in indicators and in widths of the smoothing."""
 JUMP = 1e-3
-"""Corners that move farther than this for a small step, in sizes of the sheet, are others."""
+"""Corners that move farther than this for a small step, in widths of the sheet, are others."""
 TOGETHER = "*"
 """Name of all inert parts together, where there are several."""
 
@@ -55,10 +61,14 @@ class PatternSlopes:
     Attributes:
         boundaries: of the parts; of all inert ones together under `TOGETHER` if they are several.
         by_corner: derivatives by the corners of each, shape (M, 2).
+        design: the design.
+        regions: of the shapes that make the pattern.
         width: of the smoothing [m].
         felt: what they come from.
     """
 
+    design: Design
+    regions: Sequence[BaseGeometry]
     boundaries: Mapping[str, Boundary]
     by_corner: Mapping[str, Floats]
     width: float
@@ -69,50 +79,56 @@ class PatternSlopes:
         """Carry derivatives by the fields of the model on to the corners of the pattern."""
         smooth = problem.regions.smooth
         assert smooth is not None  # noqa: S101  the caller has made sure
-        boundaries = _boundaries(problem.design)
+        design = problem.design
+        sheet = design.outline_polygon()
+        boundaries = _boundaries(design, design.layout.drawn)
         felt = _felt(problem, smooth, fields)
         by_corner = {name: np.zeros_like(edge.corners) for name, edge in boundaries.items()}
         for one in felt:
             by_corner[one.name] += boundaries[one.name].onto_corners(
                 one.points, one.by_share, one.by_away, smooth.width
             )
-        return cls(boundaries, by_corner, smooth.width, felt)
+        regions = [piece.region(sheet) for piece in design.pattern]
+        return cls(design, regions, boundaries, by_corner, smooth.width, felt)
 
-    def between(self, ahead: Design, behind: Design, size: float) -> float:
-        """Change of the function between two designs whose pattern differs a little.
+    def towards(self, ahead: Design, shape: int) -> float:
+        """Change of the function, to first order, to a design that differs a little in one shape.
 
         Corners are followed where both boundaries have the same ones; where a corner comes or
         goes, indicators and distances are computed anew.
 
         Args:
-            ahead: a step further.
-            behind: a step back.
-            size: of the sheet [m].
+            ahead: the other design.
+            shape: index of the shape of the pattern that differs.
         """
+        sheet = self.design.outline_polygon()
+        regions = list(self.regions)
+        regions[shape] = ahead.pattern[shape].region(sheet)
+        boundaries = _boundaries(ahead, joined(ahead.pattern, regions))
+        reach = JUMP * float(np.ptp(np.array(sheet.bounds).reshape(2, 2), axis=0).max())
         total = 0.0
-        pairs = [_boundaries(one) for one in (ahead, behind)]
         for name, edge in self.boundaries.items():
-            far, near = (pair[name] for pair in pairs)
-            if _same_corners(edge, far, size) and _same_corners(edge, near, size):
-                total += float((self.by_corner[name] * (far.corners - near.corners)).sum())
+            far = boundaries[name]
+            if _same_corners(edge, far, reach):
+                total += float((self.by_corner[name] * (far.corners - edge.corners)).sum())
                 continue
-            for one in self.felt:
-                if one.name == name:
-                    total += _change(one, far, near, self.width)
+            total += sum(
+                _change(one, far, edge, self.width) for one in self.felt if one.name == name
+            )
         return total
 
 
-def _boundaries(design: Design) -> dict[str, Boundary]:
-    parts, whole = smooth_boundaries(design)
+def _boundaries(design: Design, drawn: Mapping[str, MultiPolygon]) -> dict[str, Boundary]:
+    parts, whole = smooth_boundaries(design, drawn)
     alone = any(edge is whole for edge in parts.values())
     return {**parts} if alone else {**parts, TOGETHER: whole}
 
 
-def _same_corners(edge: Boundary, other: Boundary, size: float) -> bool:
-    """Whether another boundary has the same corners in the same order, a little moved."""
+def _same_corners(edge: Boundary, other: Boundary, reach: float) -> bool:
+    """Whether another boundary has the same corners in the same order, moved by less than this."""
     if other.corners.shape != edge.corners.shape or not np.array_equal(other.sides, edge.sides):
         return False
-    return bool(np.abs(other.corners - edge.corners).max() < JUMP * size)
+    return bool(np.abs(other.corners - edge.corners).max() < reach)
 
 
 def _change(felt: _Felt, far: Boundary, near: Boundary, width: float) -> float:

@@ -32,11 +32,17 @@ Objective = Callable[[Floats], tuple[float, Floats]]
 STEP = 1e-5
 """Relative step of the central differences of forces and strains, at fixed positions."""
 
+SMALL_STEP = 1e-7
+"""Relative step by which corners of the pattern are moved, to one side."""
+
 UNCHANGED = ("outline", "mesh", "supports")
 """Tables of the design that decide on the mesh and on what is held: not differentiated."""
 
 DISCRETE = ("random_polygons", "drawing")
 """Kinds of shapes that do not follow their numbers smoothly."""
+
+FROM_ZERO = ("fillet", "corner_radius", "hub_radius", "disc_radius")
+"""Sizes in a pattern that are nothing at 0."""
 
 LAYER_FIELDS = frozenset({"thickness", "young_modulus", "poisson_ratio"})
 PUBLISHED_FIELDS = (
@@ -219,13 +225,15 @@ def _by_key(
     """By the chain rule, with central differences of what the key does to the arrays."""
     problem = state.problem
     table = key.split(".")[0]
-    step = STEP * (abs(value) or 1.0)
+    size = abs(value) or 1.0
+    if table == "pattern" and _only_loads(problem, table):
+        assert pattern is not None  # noqa: S101  number_at refuses patterns with a sharp boundary
+        step, shape = SMALL_STEP * size, _index(problem.design.pattern, key.split(".")[1])
+        return pattern.towards(with_number(problem.design, key, value + step), shape) / step
+    step = STEP * size
     ahead, behind = (with_number(problem.design, key, value + s) for s in (step, -step))
     if not _only_loads(problem, table):
         return _by_forces(state, ahead, behind, adjoint) / (2.0 * step)
-    if table == "pattern":
-        assert pattern is not None  # noqa: S101  number_at refuses patterns with a sharp boundary
-        return pattern.between(ahead, behind, problem.mesh.size) / (2.0 * step)
     ends = [
         model_arrays(one, problem.mesh, _restacked(problem, one), table) for one in (ahead, behind)
     ]
@@ -292,10 +300,14 @@ def _check_pattern(design: Design, key: str, value: object) -> None:
             key=key,
             allowed="pattern keys of designs with mesh.pattern_smoothing, such as an edge length",
         )
-    kind = design.pattern[_index(design.pattern, key.split(".")[1])].kind
-    if kind in DISCRETE or isinstance(value, int):
-        what = "whole numbers" if isinstance(value, int) else f"the shape {kind}"
-        raise InputError(f"{what} cannot be changed a little", key=key, value=value)
+    shape = design.pattern[_index(design.pattern, key.split(".")[1])]
+    if shape.kind in DISCRETE or isinstance(value, int):
+        what = "a whole number" if isinstance(value, int) else f"a key of the shape {shape.kind}"
+        raise InputError(f"is {what}, which cannot change a little", key=key, value=value)
+    if value == 0.0 and key.split(".")[-1] in FROM_ZERO:
+        raise InputError(
+            "is 0, the end of its range, where the shape begins to have it", key=key, value=value
+        )
 
 
 def with_number(design: Design, key: str, value: float) -> Design:
