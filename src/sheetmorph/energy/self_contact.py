@@ -89,8 +89,7 @@ class SelfContact:
         self._broad, self._ccd = ipctk.LBVH(), ipctk.AdditiveCCD(conservative_rescaling=KEPT)
         self._meshes = [self._collision_mesh(mesh, shield) for shield in shields]
         self._potentials = [self._potential(shield) for shield in shields]
-        self._at: Floats = np.zeros((0, 3))
-        self._touching: list[Any] = []
+        self.begin()
         for shield, touching in zip(self.shields, self._collisions(mesh.nodes), strict=True):
             if len(touching):
                 raise InputError(
@@ -118,9 +117,15 @@ class SelfContact:
         slope = unit.barrier.first_derivative(half**2 - shield.gap**2, far) * 2.0 * half
         return self._ipctk.BarrierPotential(shield.range, shield.force / abs(slope))
 
+    def begin(self) -> None:
+        """Forget earlier states, so that nothing that follows depends on them."""
+        self.growth.begin()
+        self._at: Floats | None = None
+        self._touching: list[Any] = []
+
     def _collisions(self, nodes: Floats) -> list[Any]:
         """What touches at a state, for each shield; that of the last state is kept."""
-        if self._at.shape != nodes.shape or not np.array_equal(self._at, nodes):
+        if self._at is None or not np.array_equal(self._at, nodes):
             vertices = np.asfortranarray(nodes)
             self._touching = []
             for mesh, shield in zip(self._meshes, self.shields, strict=True):
@@ -189,26 +194,31 @@ class SelfContact:
         """
         start = np.asfortranarray(x[: self._count])
         end = np.asfortranarray(x[: self._count] + step[: self._count])
-        parts = [
-            self._ipctk.compute_collision_free_stepsize(
-                mesh, start, end, shield.gap, self._broad, self._ccd
-            )
-            for mesh, shield in zip(self._meshes, self.shields, strict=True)
-        ]
-        return float(min(parts, default=1.0))
+        # Two nodes near each other by at most twice the longest move.
+        nearing = 2.0 * float(np.sqrt(((end - start) ** 2).sum(axis=1).max()))
+        part = 1.0
+        for mesh, shield, room in zip(
+            self._meshes, self.shields, self.rooms(x[: self._count]), strict=True
+        ):
+            if nearing >= min(room, shield.range):
+                free = self._ipctk.compute_collision_free_stepsize(
+                    mesh, start, end, shield.gap, self._broad, self._ccd
+                )
+                part = min(part, float(free))
+        return part
 
-    def closest(self, positions: Floats) -> float:
-        """Least distance of two parts over the least allowed, where any touch [m]; else inf.
+    def rooms(self, positions: Floats) -> list[float]:
+        """Least distance beyond the gap, for each shield [m]; inf where nothing touches.
 
         Args:
             positions: of the nodes [m], shape (V, 3).
         """
         vertices = np.asfortranarray(positions)
-        found = [
+        return [
             float(np.sqrt(touching.compute_minimum_distance(mesh, vertices))) - shield.gap
+            if len(touching)
+            else float("inf")
             for mesh, touching, shield in zip(
                 self._meshes, self._collisions(positions), self.shields, strict=True
             )
-            if len(touching)
         ]
-        return min(found, default=float("inf"))

@@ -60,6 +60,8 @@ class Total:
 
     def at(self, ramp: float, load: float) -> Total:
         """The same energy at a fraction of the actuation and of the perturbation load."""
+        if self.contact is not None:
+            self.contact.begin()
         return replace(self, terms=tuple(t.at(ramp, load) for t in self.terms))
 
     @property

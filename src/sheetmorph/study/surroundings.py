@@ -77,13 +77,17 @@ class Surroundings:
                 "range_m": self.table.range,
             }
         if self.contact is not None:
-            closest = self.contact.closest(positions)
-            found["self_contact"] = {
-                "touches": bool(np.isfinite(closest)),
-                "closest_m": closest if np.isfinite(closest) else None,
-                "gap_m": self.gap,
-                "range_m": self.contact.shields[-1].range,
-            }
+            found["self_contact"] = [
+                {
+                    "gap_m": shield.gap,
+                    "range_m": shield.range,
+                    "touches": bool(np.isfinite(room)),
+                    "room_m": room if np.isfinite(room) else None,
+                }
+                for shield, room in zip(
+                    self.contact.shields, self.contact.rooms(positions), strict=True
+                )
+            ]
         return found
 
 
