@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from sheetmorph.inverse.targets import Target
 
 # As in inverse.families, which --help must not import.
-FAMILIES = ("star", "lotus", "ring", "cross", "canoe", "stripes")
+FAMILIES = ("star", "lotus", "ring", "cross", "canoe", "stripes", "free")
 MOST_WORKERS = 8
 
 
@@ -48,6 +48,7 @@ MOST_WORKERS = 8
 @click.option("--symmetry", type=int, metavar="N", help="N rotations must leave the pattern alike.")
 @click.option("--budget", type=int, default=240, show_default=True, help="Designs per family.")
 @click.option("--descents", type=int, default=2, show_default=True, help="Ways down at the end.")
+@click.option("--steps", type=int, default=25, show_default=True, help="Of the field of free.")
 @click.option("--seed", type=int, default=0, show_default=True, help="Of the search.")
 @click.option("--workers", type=int, help=f"Processes. Default: the processors, ≤ {MOST_WORKERS}.")
 @click.option("--scheduler", metavar="ADDRESS", help="A Dask scheduler in place of processes.")
@@ -72,6 +73,7 @@ def design(
     symmetry: int | None,
     budget: int,
     descents: int,
+    steps: int,
     seed: int,
     workers: int | None,
     scheduler: str | None,
@@ -96,6 +98,7 @@ def design(
       sheetmorph design target.stl --family star --family lotus --unit mm -o mine
       sheetmorph design saddle:0.4 --family ring --size "80 mm" --minimum-width "3 mm"
       sheetmorph design canoe:2.0 --family canoe --fix half_width=0.05
+      sheetmorph design scan.stl --family free --minimum-width "3 mm"
       sheetmorph design bowl:0.4 --family star --resume
     """
     from sheetmorph.inverse.find import SearchOptions
@@ -122,6 +125,7 @@ def design(
             ),
             budget=budget,
             descents=descents,
+            steps=steps,
             sheet=read_length(sheet, "--sheet"),
             fixed=_fixed(fixes),
             overrides=read_values(overrides),
@@ -250,6 +254,7 @@ def _tell(found: Found, folder: Path, notes: list[str]) -> None:
         f"  {found.family}: {values}",
         f"  h/d {data['found']['aspect_ratio']:.3f}, wanted {found.target.aspect_ratio:.3f}",
         *(f"  {one}" for one in limits),
+        *(f"  {name}: {told(one)} (in {name}/)" for name, one in found.others.items()),
         f"  {found.evaluations} designs ({found.failed} failed), {found.seconds:.0f} s",
         f"design in {str(folder).rstrip('/')}/ (inverse.html, design.toml)",
     ]
@@ -262,6 +267,7 @@ _OPTIONS = {
     "symmetry": "--symmetry",
     "budget": "--budget",
     "descents": "--descents",
+    "steps": "--steps",
     "seed": "--seed",
     "sheet": "--sheet",
 }

@@ -4,15 +4,23 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Protocol
 
 from sheetmorph.core.errors import ComputationError
 from sheetmorph.core.events import Listener
 from sheetmorph.inverse.journal import Journal
-from sheetmorph.inverse.misfit import FAILED, Evaluation, Job, Measure
+from sheetmorph.inverse.misfit import FAILED, Evaluation, Job
 
 if TYPE_CHECKING:
     from distributed import Client
+
+
+class Measure(Protocol):
+    """What measures a design; goes to other processes as it is."""
+
+    def evaluate(self, job: Job) -> Evaluation:
+        """Simulate the design of a job, and measure it."""
+        ...
 
 
 class Evaluations:
@@ -20,7 +28,6 @@ class Evaluations:
 
     Attributes:
         measure: what is measured.
-        fresh: how many designs were simulated by this object.
     """
 
     def __init__(
@@ -37,10 +44,12 @@ class Evaluations:
             measure: what is measured.
             journal: keeps every evaluation.
             client: of the cluster; None for this process alone.
-            on_new: told of every evaluation, those of the journal too, in the order of the search.
+            on_new: told once of every evaluation, those of the journal too, in the order in which
+                the search asks for them.
         """
-        self.measure, self.fresh = measure, 0
+        self.measure = measure
         self._journal, self._client, self._on_new = journal, client, on_new
+        self._told: set[Job] = set()
         self._sent: Any = None if client is None else client.scatter(measure, broadcast=True)
 
     def many(self, jobs: Sequence[Job]) -> list[Evaluation]:
@@ -54,10 +63,11 @@ class Evaluations:
         missing = list(dict.fromkeys(job for job in jobs if job not in self._journal.known))
         for job, found in self._measured(missing):
             self._journal.keep(job, found)
-            self.fresh += 1
         answers = [self._journal.known[job] for job in jobs]
         for job, found in zip(jobs, answers, strict=True):
-            self._on_new(job, found)
+            if job not in self._told:
+                self._told.add(job)
+                self._on_new(job, found)
         return answers
 
     def __call__(self, job: Job) -> Evaluation:

@@ -182,18 +182,27 @@ def space_of(
     if sheet is not None:
         given[SIZE] = sheet
         parameters = (replace(size, low=0.5 * sheet, high=2.0 * sheet), *parameters[1:])
-    names = [one.name for one in parameters]
-    for key, value in given.items():
+    return restricted(Space(family, parameters, {}, limits, dict(overrides or {})), given)
+
+
+def restricted(space: Space, fixed: Values) -> Space:
+    """The space in which some parameters do not vary.
+
+    Raises:
+        InputError: one of them is none of the family, or out of its bounds.
+    """
+    names = [one.name for one in space.parameters]
+    for key, value in fixed.items():
         if key not in names:
             guess = nearest(key, names)
             raise InputError(
-                f"the family {family.name} has no such parameter"
+                f"the family {space.family.name} has no such parameter"
                 + (f"; did you mean {guess}?" if guess else ""),
                 key="--fix",
                 value=key,
                 allowed=", ".join(names),
             )
-        one = parameters[names.index(key)]
+        one = space.parameters[names.index(key)]
         if not one.low <= value <= one.high:
             raise InputError(
                 "is out of range",
@@ -201,8 +210,8 @@ def space_of(
                 value=value,
                 allowed=f"{one.low:g} to {one.high:g}",
             )
-    left = tuple(one for one in parameters if one.name not in given)
-    return Space(family, left, given, limits, dict(overrides or {}))
+    left = tuple(one for one in space.parameters if one.name not in fixed)
+    return replace(space, parameters=left, fixed={**space.fixed, **fixed})
 
 
 FAMILIES: dict[str, Family] = {

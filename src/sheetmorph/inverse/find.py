@@ -13,7 +13,8 @@ from sheetmorph.core.errors import ComputationError, InputError
 from sheetmorph.core.events import Listener, Notice, Progress, Started, silent
 from sheetmorph.design.spec import Design
 from sheetmorph.inverse.evaluations import Evaluations, workers
-from sheetmorph.inverse.families import Space, find_family, space_of
+from sheetmorph.inverse.families import FREE, Space, find_family, space_of
+from sheetmorph.inverse.free import GRADED, grade, graded_found
 from sheetmorph.inverse.journal import Journal
 from sheetmorph.inverse.limits import Limits, measured
 from sheetmorph.inverse.misfit import (
@@ -47,6 +48,7 @@ class SearchOptions:
         limits: of fabrication.
         budget: designs of each family on coarse meshes.
         descents: of the best of them that are followed down on their own meshes.
+        steps: iterations on the graded field of the free family.
         sheet: size of the sheet [m]; then the target may be scaled freely. None: the target
             has its size, and the sheet follows from it.
         fixed: parameters that do not vary, by name.
@@ -61,6 +63,7 @@ class SearchOptions:
     limits: Limits = field(default_factory=Limits)
     budget: int = 240
     descents: int = 2
+    steps: int = 25
     sheet: float | None = None
     fixed: Mapping[str, float] = field(default_factory=dict)
     overrides: Mapping[str, object] = field(default_factory=dict)
@@ -70,6 +73,7 @@ class SearchOptions:
         for name, low, high in (
             ("budget", 1, 100_000),
             ("descents", 0, 20),
+            ("steps", 1, 1000),
             ("seed", 0, 2**31),
             ("sheet", 5e-3, 3.0),
         ):
@@ -114,35 +118,33 @@ def find_design(
     """
     began = perf_counter()
     chosen = options or SearchOptions()
-    spaces = {name: _space(name, target, chosen) for name in chosen.families}
-    on_event(Started(f"{target.name}: {', '.join(spaces)}"))
+    spaces = {name: _space(name, target, chosen) for name in chosen.families if name != FREE}
+    on_event(Started(f"{target.name}: {', '.join(chosen.families)}"))
     kept = Journal(journal, fingerprint_of(target, chosen), resume=resume)
-    measure = Measure(target.surface, spaces, None if chosen.sheet is not None else 1.0)
     watch = _Watch(spaces, chosen, on_event, on_better)
+    graded = None
+    if FREE in chosen.families:
+        graded = grade(
+            target,
+            chosen.limits,
+            kept,
+            steps=chosen.steps,
+            sheet=chosen.sheet,
+            fixed=dict(chosen.fixed),
+            overrides=dict(chosen.overrides),
+            on_new=watch.graded,
+        )
+        spaces[FREE] = graded.space
+    measure = Measure(target.surface, spaces, None if chosen.sheet is not None else 1.0)
     with workers(processes, scheduler, on_event) as client:
         evaluations = Evaluations(measure, kept, client=client, on_new=watch)
-        rough = [
-            one
-            for name, space in spaces.items()
-            for one in evolve(evaluations, space, chosen.budget, chosen.seed)[: chosen.descents]
-        ]
-        rough.sort(key=lambda one: (one.misfit, one.family, one.point))
-        watch.begin_fine()
-        fine = [
-            descend(evaluations, spaces[one.family], one)
-            for one in _unlike(rough, spaces)[: max(1, chosen.descents)]
-            if one.completed
-        ]
-    if not fine:
-        raise ComputationError(
-            "no design of the family reached its end; try another family, or other bounds by --fix"
-        )
-    best = min(fine, key=lambda one: (one.misfit, one.family, one.point))
+        best = _searched(evaluations, spaces, chosen, watch)
     on_event(Progress(0.95, "computing the design"))
     space = spaces[best.family]
     design = space.design(best.point, _name(target, best.family))
-    result = simulate(design, on_event=lambda event: None)
-    laid = laid_best(target, result, measure.scale, best)
+    result = simulate(design)
+    if result.status == "interrupted":
+        raise KeyboardInterrupt
     known = kept.known.values()
     return Found(
         target=target,
@@ -150,16 +152,41 @@ def find_design(
         values=space.values(best.point),
         design=design,
         result=result,
-        laid=laid,
+        laid=laid_best(target, result, measure.scale, best),
         made=measured(design, chosen.limits),
         limits=chosen.limits,
         steps=tuple(watch.steps),
         evaluations=len(known),
-        fresh=evaluations.fresh,
+        fresh=kept.fresh,
         failed=sum(not one.completed for one in known),
         seconds=perf_counter() - began,
-        notes=target.notes,
+        others={} if graded is None else {GRADED: graded_found(target, graded, chosen.limits)},
+        notes=(*target.notes, *(() if graded is None else graded.notes)),
     )
+
+
+def _searched(
+    evaluations: Evaluations, spaces: Mapping[str, Space], options: SearchOptions, watch: _Watch
+) -> Evaluation:
+    """The best of all families, on its own mesh."""
+    rough = [
+        one
+        for space in spaces.values()
+        for one in evolve(evaluations, space, options.budget, options.seed)[: options.descents + 1]
+    ]
+    rough.sort(key=lambda one: (one.misfit, one.family, one.point))
+    watch.begin_fine()
+    chosen = [one for one in _unlike(rough, spaces) if one.completed][: max(1, options.descents)]
+    if options.descents:
+        fine = [descend(evaluations, spaces[one.family], one) for one in chosen]
+    else:
+        fine = [evaluations(Job(one.family, one.point, coarse=False)) for one in chosen]
+    fine = [one for one in fine if one.completed]
+    if not fine:
+        raise ComputationError(
+            "no design of the family reached its end; try another family, or other bounds by --fix"
+        )
+    return min(fine, key=lambda one: (one.misfit, one.family, one.point))
 
 
 def laid_best(target: Target, result: Result, scale: float | None, best: Evaluation) -> Laid:
@@ -219,15 +246,25 @@ class _Watch:
         on_better: Better,
     ) -> None:
         self._spaces, self._on_event, self._on_better = spaces, on_event, on_better
-        rough = options.budget * len(spaces)
+        rough = options.budget * len(options.families)
         self._expected = rough + options.descents * 60
         self._fine, self._best = False, float("inf")
-        self.count = 0
+        self._field = float("inf")
+        self.count = self.fields = 0
         self.steps: list[Step] = []
 
     def begin_fine(self) -> None:
         """Coarse meshes deceive a little: what counts from now on is measured on fine ones."""
         self._fine, self._best = True, float("inf")
+
+    def graded(self, job: Job, found: Evaluation) -> None:
+        """Tell of a field; it is no design with a pattern, and does not count among them."""
+        self.fields += 1
+        text = f"graded film: {self.fields} fields, distance {100 * found.distance:.2f} %"
+        self._on_event(Progress(0.0, text))
+        if found.completed and found.misfit < self._field:
+            self._field = found.misfit
+            self._on_event(Notice(text))
 
     def __call__(self, job: Job, found: Evaluation) -> None:
         self.count += 1

@@ -24,6 +24,7 @@ class Journal:
 
     Attributes:
         known: what was measured.
+        fresh: how many of them by this object.
     """
 
     def __init__(self, path: Path | None, fingerprint: str, *, resume: bool = False) -> None:
@@ -39,7 +40,7 @@ class Journal:
             OutputError: it cannot be written.
         """
         self.known: dict[Job, Evaluation] = {}
-        self._path = path
+        self._path, self.fresh = path, 0
         if path is None:
             return
         header = {"fingerprint": fingerprint, "version": __version__}
@@ -57,6 +58,7 @@ class Journal:
             OutputError: it cannot be written.
         """
         self.known[job] = found
+        self.fresh += 1
         if self._path is None:
             return
         line = json.dumps({"job": asdict(job), "found": asdict(found)}) + "\n"

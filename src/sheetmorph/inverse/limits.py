@@ -56,21 +56,23 @@ class Made:
         narrow: share of the pattern, or of the gaps beside it, that is narrower than allowed.
         pieces: how many the pattern has.
         inert: share of the sheet that it covers.
-        symmetry: order of the rotations that leave sheet and pattern as they are; 0 for a
-            figure of revolution.
+        symmetry: order of the rotations that leave sheet and pattern as they are; None
+            where nobody asked for one.
         broken: names of the limits that are not met, with the reason.
     """
 
     narrow: float
     pieces: int
     inert: float
-    symmetry: int
+    symmetry: int | None
     broken: tuple[str, ...]
 
     def excess(self, limits: Limits) -> float:
         """By how much the limits are missed, 0 where they are met; without unit."""
         loose = max(0, self.pieces - 1) if limits.connected else 0
-        return self.narrow + max(0.0, self.inert - limits.most_inert) + 0.1 * loose
+        uneven = self.symmetry is not None and self.symmetry % limits.symmetry != 0
+        much = max(0.0, self.inert - limits.most_inert)
+        return self.narrow + much + 0.1 * (loose + uneven)
 
 
 def measured(design: Design, limits: Limits) -> Made:
@@ -84,7 +86,7 @@ def measured(design: Design, limits: Limits) -> Made:
     inert = float(pattern.area / layout.sheet.area)
     least = _EXACT * limits.minimum_width
     narrow = max(narrow_share(pattern, least), _inner_gaps(gaps, least))
-    order = design.symmetry.order
+    order = design.symmetry.order if limits.symmetry > 1 else None
     broken = []
     if narrow > 0.0:
         broken.append(
@@ -97,7 +99,7 @@ def measured(design: Design, limits: Limits) -> Made:
         broken.append(
             f"it covers {100 * inert:.1f} % of the sheet, more than {100 * limits.most_inert:g} %"
         )
-    if limits.symmetry > 1 and order % limits.symmetry:
+    if order is not None and order % limits.symmetry:
         broken.append(f"no rotation of order {limits.symmetry} leaves it as it is")
     return Made(narrow, pieces, inert, order, tuple(broken))
 

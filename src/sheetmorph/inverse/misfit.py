@@ -24,7 +24,7 @@ from sheetmorph.study.simulate import simulate
 
 FAILED = 1.0
 """Misfit of a design that does not reach its end; far above that of any shape."""
-QUICK = Effort(starts=48, kept=4, points=500, gain=1e-4)
+QUICK = Effort(starts=32, kept=3, points=400, gain=1e-4)
 THOROUGH = Effort(starts=192, kept=8, points=2000)
 POINTS = 400
 """Points of the target that are measured from."""

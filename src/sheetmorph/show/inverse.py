@@ -12,6 +12,8 @@ from sheetmorph.core.events import Listener, Progress, silent
 from sheetmorph.core.files import write_bytes, write_text
 from sheetmorph.geometry.writers import write_stl
 from sheetmorph.inverse.find import SearchOptions, find_design
+from sheetmorph.inverse.free import GRADED
+from sheetmorph.inverse.graded import FIELD
 from sheetmorph.inverse.journal import JOURNAL
 from sheetmorph.inverse.misfit import Evaluation, pose_of, shape_of
 from sheetmorph.inverse.result import Found, Step
@@ -28,7 +30,11 @@ if TYPE_CHECKING:
 DATA, DESIGN, PAGE = "inverse.json", "design.toml", "inverse.html"
 SHAPE, WANTED = "shape.stl", "target.stl"
 PICTURE, BEST, COURSE = "found.png", "best.png", "search.png"
-OUTPUTS = (DATA, DESIGN, PAGE, SHAPE, WANTED, PICTURE, BEST, COURSE, "result.h5", "summary.json")
+RUN = ("result.h5", "summary.json")
+OUTPUTS = (
+    *(DATA, DESIGN, PAGE, SHAPE, WANTED, PICTURE, BEST, COURSE, *RUN),
+    *(f"{GRADED}/{name}" for name in (DESIGN, FIELD, SHAPE, PICTURE, *RUN)),
+)
 """What a search writes into its folder, and what the next one there replaces."""
 
 PAUSE = 8.0
@@ -141,15 +147,33 @@ def write_found_folder(found: Found, place: Path, painter: RenderWorker | None) 
     drawn: list[Path] = []
     if painter is not None:
         pair = Pair(wanted, found.result, found.distance)
-        title = f"{found.target.name}: {found.family}"
+        title = f"{found.target.text}: {found.family}"
         drawn.append(write_found(pair, place / PICTURE, title, told(found), painter))
         drawn.append(write_course(found.steps, place / COURSE, found.target.text))
         write_best(pair, place / BEST, title, found.steps, painter)
         notes = (painter.note,) if painter.note else ()
+    for name, other in found.others.items():
+        files += write_other(other, place / name, painter)
     page = write_page(found, place / PAGE, drawn, notes)
     numbers = json.dumps(found.to_json(), indent=2, ensure_ascii=False, allow_nan=False)
     write_text(place / DATA, numbers + "\n")
     return Written((place / DATA, *files, *drawn, page), notes)
+
+
+def write_other(found: Found, place: Path, painter: RenderWorker | None) -> list[Path]:
+    """Write another design that was found on the way: its files, run, shape and picture."""
+    files = [place / name for name in (DESIGN, *found.files)]
+    write_text(place / DESIGN, design_text(found))
+    for name, data in found.files.items():
+        write_bytes(place / name, data)
+    found.result.save(place)
+    write_stl(place / SHAPE, found.shape.triangles, found.shape.points)
+    files.append(place / SHAPE)
+    if painter is not None:
+        pair = Pair(found.laid.target, found.result, found.distance)
+        title = f"{found.target.text}: {found.family}"
+        files.append(write_found(pair, place / PICTURE, title, told(found), painter))
+    return files
 
 
 def design_text(found: Found) -> str:
@@ -189,5 +213,5 @@ class _Live:
         target = self._target.surface
         laid = target.moved(pose_of(found.pose)) if found.pose else shape_of(result)
         pair = Pair(laid, result, found.distance)
-        write_best(pair, self._path, self._target.name, steps, self._painter)
+        write_best(pair, self._path, self._target.text, steps, self._painter)
         self._drawn = monotonic()

@@ -59,7 +59,7 @@ def write_page(
         OutputError: it cannot be written.
         InputError: a picture cannot be read.
     """
-    title = f"{found.target.name}: {found.family}"
+    title = f"{found.target.text}: {found.family}"
     page = rendered(
         "inverse.html",
         title=title,
@@ -125,10 +125,16 @@ def _groups(found: Found) -> list[dict[str, object]]:
         rows = [
             ("pieces of the pattern", f"{found.made.pieces}"),
             ("inert share of the sheet", f"{100 * found.made.inert:.1f} %"),
-            ("rotations that leave it as it is", f"{found.made.symmetry}"),
             ("narrower than allowed", f"{100 * found.made.narrow:.2f} %"),
         ]
         groups.append({"title": "Pattern and limits", "rows": rows})
+    for name, other in found.others.items():
+        rows = [
+            ("distance", f"{100 * other.distance:.2f} % of the size"),
+            ("h/d", f"{other.to_json()['found']['aspect_ratio']:.3f}"),
+            *((key, f"{value:.4g}") for key, value in other.values.items()),
+        ]
+        groups.append({"title": f"On the way: {name}, in the folder {name}/", "rows": rows})
     return groups
 
 
