@@ -3,6 +3,7 @@
     python make.py bowl     make the environment, write bowl.toml and run it
     python make.py test     make the environment with the test tools and pass all tests
     python make.py fast     the same without the slow proofs
+    python make.py docs     build the documentation site into build/site and check its links
 
 The environment is the folder .venv beside this file. It is brought up to date when
 pyproject.toml has changed; delete it to make it anew.
@@ -20,6 +21,7 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parent
 VENV = ROOT / ".venv"
 BIN = VENV / ("Scripts" if os.name == "nt" else "bin")
+SITE = ROOT / "build" / "site"
 PYTHON = BIN / ("python.exe" if os.name == "nt" else "python")
 
 
@@ -28,7 +30,7 @@ def main(arguments: list[str]) -> int:
     if sys.version_info < (3, 11):
         print("sheetmorph needs Python 3.11 or newer; this is", sys.version.split()[0])
         return 2
-    jobs = {"bowl": bowl, "test": test, "fast": fast}
+    jobs = {"bowl": bowl, "test": test, "fast": fast, "docs": docs}
     if len(arguments) != 1 or arguments[0] not in jobs:
         print(__doc__)
         return 2
@@ -52,6 +54,15 @@ def test() -> int:
 def fast() -> int:
     """Lint, format, types and the tests that are not slow."""
     return _checks("-m", "not slow")
+
+
+def docs() -> int:
+    """The documentation site: every warning is an error, every link leads somewhere."""
+    install("[dev]")
+    shutil.rmtree(SITE, ignore_errors=True)
+    build = ("-m", "sphinx", "-W", "--keep-going", "-q", "-E", "-b", "html", "-c", "docs/site")
+    run(PYTHON, *build, "-d", SITE.parent / "doctrees", ".", SITE)
+    return run(PYTHON, "docs/site/check.py", SITE, check=False)
 
 
 def _checks(*selection: str) -> int:

@@ -36,15 +36,16 @@ COLOURS = 96
 
 HEAD = """# Gallery
 
-Designs to look at, to run and to change. Each has its file, its picture and its numbers; `tests/gallery` computes all of
-them anew and holds them to these numbers. Page, pictures and numbers are made by `.venv/bin/python docs/make_gallery.py`.
+Designs to look at, to run and to change. Each has its file, its picture and its numbers;
+`tests/gallery` computes all of them anew and holds them to these numbers. Page, pictures and
+numbers are made by `.venv/bin/python docs/make_gallery.py`.
 
 ```sh
 sheetmorph run examples/gallery/lotus.toml -o lotus
 ```
 
-Left the flat sheet (blue: inert parts on the film), right the final shape. h/d is height over width; angle the largest
-between two neighbouring triangles; U the elastic energy.
+Left the flat sheet (blue: inert parts on the film), right the final shape. h/d is height over
+width; angle the largest between two neighbouring triangles; U the elastic energy.
 
 """
 

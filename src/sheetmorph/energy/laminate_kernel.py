@@ -7,7 +7,7 @@ the feet of the altitudes as fractions of the side, L its length.
 
 The dihedral angle θ of a side changes by dθ = −(n·w)/h − (n'·w')/h', the altitude by dh = m·w,
 with w = dc − (1 − s) da − s db, w' likewise, and δ = db − da. With α = k θ + σ ψ + const
-(k is 0 or 1, σ ψ the turn of the side's director, see `Patch`),
+(k is 0 or 1, σ ψ the turn of the side's director, see `Patch`)::
 
     ½ dβ  = α (m·w) − k (n·w) − k (h/h') (n'·w') + σ h dψ
     ½ d²β = α [(n·w)²/h − 2 (u·w)(m·δ)/L − h (m·δ)²/L²]
