@@ -17,8 +17,6 @@ FLAGS = (
     *("--disable-background-networking", "--disable-component-update", "--disable-sync"),
     *("--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"),
 )
-SHOTS = Path(__file__).resolve().parents[2] / "results" / "studio-screenshots"
-"""Where the browser tests leave what they saw; not under version control."""
 
 
 @pytest.fixture(scope="session")

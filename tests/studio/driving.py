@@ -21,6 +21,9 @@ from websockets.sync.client import ClientConnection, connect
 
 from sheetmorph.studio.frames import arrays_of, head_of
 
+SHOTS = Path(__file__).resolve().parents[2] / "results" / "studio-screenshots"
+"""Where the browser tests leave what they saw; not under version control."""
+
 
 @dataclass
 class Running:

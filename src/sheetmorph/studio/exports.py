@@ -17,7 +17,6 @@ if TYPE_CHECKING:
     from sheetmorph.study.result import Result
 
 RUN, PARTS = "run", "parts"
-ZIP = "everything.zip"
 
 
 def export(job: dict[str, Any], desk: Desk, memory: Any) -> None:
@@ -49,14 +48,16 @@ def export(job: dict[str, Any], desk: Desk, memory: Any) -> None:
         for path in sorted(place.rglob("*"))
         if path.is_file()
     }
-    files[ZIP] = zipped(files, place / ZIP, _plain(design.name))
+    name = _plain(design.name)
+    archive = f"{name}.zip"
+    files[archive] = zipped(files, place / archive, name)
     desk.answer(
         "exported",
         {
             "name": place.name,
-            "design": _plain(design.name),
-            "files": [{"name": name, "bytes": path.stat().st_size} for name, path in files.items()],
-            "places": {name: str(path) for name, path in files.items()},
+            "zip": archive,
+            "files": [{"name": key, "bytes": path.stat().st_size} for key, path in files.items()],
+            "places": {key: str(path) for key, path in files.items()},
             "notes": notes,
         },
     )

@@ -129,7 +129,6 @@ def _corners(key: str, title: str, shape: Any, centre: Any, turn: float) -> list
         return []
     return [
         _move(f"{key}.points.{k}", f"{title}: corner {k + 1}", _mm(point))
-        | {"plain": shape.unit is not None}
         for k, point in enumerate(shape.points)
     ]
 

@@ -36,12 +36,12 @@ on("exported", offer);
 
 function offer(head) {
   const address = (name) => `out/${tab()}/${head.name}/${name.split("/").map(encodeURIComponent).join("/")}`;
-  const link = (file, text, className) => make("a", { href: address(file.name), download: text, textContent: text, className: className ?? "" });
-  const zip = head.files.find((file) => file.name === "everything.zip");
+  const link = (file) => make("a", { href: address(file.name), download: "", textContent: file.name });
+  const zip = head.files.find((file) => file.name === head.zip);
   const rest = head.files.filter((file) => file !== zip);
   const size = (bytes) => (bytes > 1e6 ? `${(bytes / 1e6).toFixed(1)} MB` : `${Math.ceil(bytes / 1e3)} kB`);
-  const all = make("a", { href: address(zip.name), download: `${head.design}.zip`, id: "zip" }, make("button", { type: "button", className: "primary", tabIndex: -1, textContent: `Everything as one zip (${size(zip.bytes)})` }));
-  const items = rest.map((file) => make("li", {}, link(file, file.name), make("span", { className: "faint", textContent: ` ${size(file.bytes)}` })));
+  const all = make("a", { href: address(zip.name), download: head.zip, id: "zip" }, make("button", { type: "button", className: "primary", tabIndex: -1, textContent: `Everything as one zip (${size(zip.bytes)})` }));
+  const items = rest.map((file) => make("li", {}, link(file), make("span", { className: "faint", textContent: ` ${size(file.bytes)}` })));
   const notes = head.notes.map((text) => make("p", { className: "faint", textContent: text }));
   ask(`${rest.length} files are ready`, [make("p", {}, all), make("ul", { className: "files" }, ...items), ...notes], [["", "Close"]]);
   if (!rest.length) toast("Nothing was written.");

@@ -65,7 +65,7 @@ function knob(handle) {
     class: `handle ${handle.rule}`, tabindex: "0", transform: `translate(${x},${y})`, "data-key": handle.key,
     role: number ? "slider" : "button", "aria-label": handle.label, ...(number ? { "aria-valuenow": handle.value.toFixed(2) } : {}),
   },
-  draw("circle", { class: "hit", r: 13 }), draw("circle", { r: handle.rule === "move" ? 4.5 : 6 }), draw("text", { x: 12, y: -10 }));
+  draw("circle", { class: "hit", r: 13 }), draw("circle", { r: handle.rule === "move" ? 4.5 : 6 }), draw("text", handle.at[0] > (plan.box[0] + plan.box[2]) / 2 ? { x: -10, y: -12, "text-anchor": "end" } : { x: 10, y: -12 }));
   label(group, handle);
   group.addEventListener("pointerdown", (event) => grab(event, group, handle));
   group.addEventListener("keydown", (event) => nudge(event, group, handle));
@@ -108,7 +108,7 @@ function values(handle) {
   const round = (value) => Number(value.toFixed(3));
   if (handle.rule !== "move") return { [handle.key]: `${round(handle.value)} ${handle.unit}` };
   const point = handle.at.map(round);
-  return { [handle.key]: handle.plain ? point.map((v) => `${v} mm`) : point.map((v) => `${v} mm`) };
+  return { [handle.key]: point.map((value) => `${value} mm`) };
 }
 
 function grab(event, group, handle) {

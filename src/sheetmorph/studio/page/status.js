@@ -43,7 +43,7 @@ on("settled", (head) => {
 on("problem", (head) => {
   if (head.about === "design") problem = head.text;
   else toast(head.text);
-  if (head.about === "design" && !head.drag) toast(head.text);
+  if (head.about === "design" && !head.drag && !head.key) toast(head.text); // one with a key stands at its field
   log(head.about === "design" ? "" : head.text);
 });
 
