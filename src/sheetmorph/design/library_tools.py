@@ -26,12 +26,32 @@ polygon that stands for it, then belong to the pattern.
 
 
 def tidy(shape: BaseGeometry) -> BaseGeometry:
-    """The shape without needless corners and without edges below a micrometre [m]."""
+    """The shape without needless corners, without edges and holes below a micrometre [m]."""
     import shapely
 
-    plain = shapely.simplify(shape, STRAIGHT)
+    plain = shapely.simplify(_without_specks(shape), STRAIGHT)
     clean = shapely.remove_repeated_points(plain, SHORTEST_EDGE)
     return clean if shapely.is_valid(clean) else shapely.buffer(clean, 0.0)
+
+
+def _without_specks(shape: BaseGeometry) -> BaseGeometry:
+    """The shape without the holes that rounding leaves where arms meet in a point."""
+    import shapely
+
+    if not any(
+        shapely.Polygon(ring).area <= SHORTEST_EDGE**2
+        for part in shapely.get_parts(shape)
+        for ring in part.interiors
+    ):
+        return shape
+    parts = [
+        shapely.Polygon(
+            part.exterior,
+            [ring for ring in part.interiors if shapely.Polygon(ring).area > SHORTEST_EDGE**2],
+        )
+        for part in shapely.get_parts(shape)
+    ]
+    return parts[0] if len(parts) == 1 else shapely.MultiPolygon(parts)
 
 
 def bar(start: tuple[float, float], end: tuple[float, float], half_width: float) -> Polygon:
