@@ -276,7 +276,8 @@ def _minimum(system: System, pull: Pull, options: MotionOptions) -> Minimum:
     guess = min((moving.toward(start, pull.guess()), start), key=moving.value)
     found = minimise(moving, guess, replace(options.newton, residual_tolerance=tolerance))
     enough = found.residual <= max(options.newton.residual_tolerance, rounding)
-    if found.outcome is Outcome.LINE_SEARCH_FAILED and enough:
+    stuck = (Outcome.LINE_SEARCH_FAILED, Outcome.TOO_MANY_ITERATIONS)
+    if found.outcome in stuck and enough:
         return replace(found, outcome=Outcome.CONVERGED)
     return found
 
