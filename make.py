@@ -4,6 +4,8 @@
     python make.py test     make the environment with the test tools and pass all tests
     python make.py fast     the same without the slow proofs
     python make.py docs     build the documentation site into build/site and check its links
+    python make.py oldest   try the oldest versions that pyproject.toml allows, apart from .venv
+    python make.py wheel    build the wheel, install it into an empty environment, and try it
 
 The environment is the folder .venv beside this file. It is brought up to date when
 pyproject.toml has changed; delete it to make it anew.
@@ -13,6 +15,7 @@ from __future__ import annotations
 
 import hashlib
 import os
+import re
 import shutil
 import subprocess
 import sys
@@ -21,6 +24,14 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parent
 VENV = ROOT / ".venv"
 BIN = VENV / ("Scripts" if os.name == "nt" else "bin")
+LARGEST_INSTALL = 1_600_000_000
+"""Most bytes that the wheel and all it brings may take on disk."""
+TRIAL = (
+    *("core", "drawing", "energy", "solve", "gallery", "measure", "fabricate/test_package.py"),
+    *("design/test_design.py", "geometry/test_generate.py", "compare/test_scan.py"),
+    *("cli/test_run.py", "cli/test_sweep.py", "show/test_pictures.py", "studio/test_notebook.py"),
+)
+"""Tests that are run with the oldest versions: something of every library."""
 SITE = ROOT / "build" / "site"
 PYTHON = BIN / ("python.exe" if os.name == "nt" else "python")
 
@@ -30,7 +41,14 @@ def main(arguments: list[str]) -> int:
     if sys.version_info < (3, 11):
         print("sheetmorph needs Python 3.11 or newer; this is", sys.version.split()[0])
         return 2
-    jobs = {"bowl": bowl, "test": test, "fast": fast, "docs": docs}
+    jobs = {
+        "bowl": bowl,
+        "test": test,
+        "fast": fast,
+        "docs": docs,
+        "oldest": oldest,
+        "wheel": wheel,
+    }
     if len(arguments) != 1 or arguments[0] not in jobs:
         print(__doc__)
         return 2
@@ -65,6 +83,52 @@ def docs() -> int:
     return run(PYTHON, "docs/site/check.py", SITE, check=False)
 
 
+def oldest() -> int:
+    """The lower bounds in pyproject.toml: a trial of every room with exactly those versions."""
+    import tomllib  # not there in the Pythons that main() refuses
+
+    python = _empty("oldest")
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text("utf-8"))["project"]
+    bounds = {*project["dependencies"], *project["optional-dependencies"]["dev"]}
+    pinned = sorted(re.sub(r">=([^,; ]+)[^;]*", r"==\1", bound) for bound in bounds)
+    constraints = ROOT / "build" / "oldest.txt"
+    constraints.write_text("\n".join(pinned) + "\n")
+    run(python, "-m", "pip", "install", "--quiet", "--editable", ".[dev]", "-c", constraints)
+    tests = (f"tests/{name}" for name in TRIAL)
+    return run(python, "-m", "pytest", "-q", "-n", "auto", "-m", "not slow", *tests, check=False)
+
+
+def wheel() -> int:
+    """The wheel by itself: its size, that of all it brings, and a bowl computed with it."""
+    python = _empty("wheel")
+    before = _size(python.parent.parent)
+    run(python, "-m", "pip", "wheel", "--quiet", "--no-deps", "-w", "build", ".")
+    made = max((ROOT / "build").glob("sheetmorph-*.whl"), key=lambda path: path.stat().st_mtime)
+    run(python, "-m", "pip", "install", "--quiet", made)
+    brought = _size(python.parent.parent) - before
+    print(
+        f"{made.name}: {made.stat().st_size / 1e6:.1f} MB; installed {brought / 1e6:.0f} MB in all"
+    )
+    work = python.parent.parent / "trial"
+    work.mkdir()
+    code = 0
+    for command in ("new bowl --preset bowl", "check bowl.toml", "run bowl.toml -o bowl"):
+        code |= run(python, "-m", "sheetmorph", *command.split(), check=False, cwd=work)
+    return code or int(brought > LARGEST_INSTALL)
+
+
+def _empty(name: str) -> Path:
+    """The Python of a new environment in build/."""
+    folder = ROOT / "build" / f"venv-{name}"
+    shutil.rmtree(folder, ignore_errors=True)
+    run(sys.executable, "-m", "venv", folder)
+    return folder / PYTHON.relative_to(VENV)
+
+
+def _size(folder: Path) -> int:
+    return sum(p.stat().st_size for p in folder.rglob("*") if p.is_file() and not p.is_symlink())
+
+
 def _checks(*selection: str) -> int:
     install("[dev]")
     steps = (
@@ -94,10 +158,10 @@ def install(extra: str) -> None:
     stamp.write_text(wanted)
 
 
-def run(*command: str | Path, check: bool = True) -> int:
-    """Run a command in the project's folder and show what it prints."""
+def run(*command: str | Path, check: bool = True, cwd: Path = ROOT) -> int:
+    """Run a command, in the project's folder by default, and show what it prints."""
     sys.stdout.flush()
-    code = subprocess.run([str(part) for part in command], cwd=ROOT, check=False).returncode
+    code = subprocess.run([str(part) for part in command], cwd=cwd, check=False).returncode
     if check and code != 0:
         sys.exit(code)
     return code

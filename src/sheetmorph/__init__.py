@@ -20,8 +20,10 @@ __all__ = [
     "SheetMesh",
     "SheetmorphError",
     "Sweep",
+    "View",
     "__version__",
     "simulate",
+    "view",
 ]
 
 _HOMES = {
@@ -33,13 +35,16 @@ _HOMES = {
     "SheetMesh": "geometry.mesh",
     "SheetmorphError": "core.errors",
     "Sweep": "sweep.dataset",
+    "View": "studio.notebook",
     "simulate": "study.simulate",
+    "view": "studio.notebook",
 }
 
 if TYPE_CHECKING:
     from sheetmorph.core.errors import ComputationError, InputError, OutputError, SheetmorphError
     from sheetmorph.design.spec import Design
     from sheetmorph.geometry.mesh import SheetMesh
+    from sheetmorph.studio.notebook import View, view
     from sheetmorph.study.result import Result
     from sheetmorph.study.simulate import simulate
     from sheetmorph.sweep.dataset import Sweep

@@ -6,7 +6,7 @@ import json
 from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,6 +19,9 @@ from sheetmorph.geometry import surface
 from sheetmorph.geometry.mesh import Floats, SheetMesh
 from sheetmorph.study.motion_record import MotionRecord
 from sheetmorph.study.result_file import read_result, write_result
+
+if TYPE_CHECKING:
+    from sheetmorph import View
 
 Bools = NDArray[np.bool_]
 
@@ -120,6 +123,23 @@ class Result:
         """
         text = json.dumps(self.summary, indent=2, ensure_ascii=False, allow_nan=False)
         write_text(Path(folder) / "summary.json", text + "\n")
+
+    def show(self, *, field: str = "", height: int = 480) -> View:
+        """The shape in space, to be turned and scrubbed: the last line of a cell in Jupyter.
+
+        Needs `pip install "sheetmorph[studio]"`, and neither a server nor a network.
+
+        Args:
+            field: what the colours show at first, such as "height", "angle" or "mean"; the
+                material by default.
+            height: of the view [px].
+
+        Raises:
+            InputError: there is no such field; the packages of the studio are not installed.
+        """
+        from sheetmorph import view  # the package's table of names, which lies above all rooms
+
+        return view(self, field=field, height=height)
 
     @property
     def status(self) -> str:
