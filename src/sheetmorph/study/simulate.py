@@ -118,6 +118,8 @@ def simulate(
     result.summary["seconds"] = seconds_of(system.work, solved, perf_counter() - began)
     if path.status is not Status.COMPLETED:
         on_event(Notice(f"{path.status}: {result.summary['remedy']}"))
+    if crossing := result.summary["crossing_pairs"]:
+        on_event(Notice(f"{_passes(crossing)}; {WITH_CONTACT} keeps its parts apart"))
     return result
 
 
@@ -230,6 +232,16 @@ def result_of(
     )
 
 
+WITH_CONTACT = "contact.self_contact = true"
+
+
+def _passes(crossing: int) -> str:
+    pairs = (
+        "1 pair of triangles crosses" if crossing == 1 else f"{crossing} pairs of triangles cross"
+    )
+    return f"the sheet passes through itself ({pairs})"
+
+
 FOLDED_FLAT = 2.9
 """Size of a dihedral angle [rad] beyond which two triangles all but touch."""
 
@@ -246,7 +258,8 @@ def _explain(result: Result) -> None:
     if angles.max(initial=0.0) > FOLDED_FLAT:
         x, y = 1e3 * mesh.edge_midpoints[mesh.hinge_edges[int(angles.argmax()), 0]]
         result.summary["detail"] = f"the sheet has folded flat on itself at ({x:.1f}, {y:.1f}) mm"
-        result.summary["remedy"] = f"the model has no contact between parts of the sheet; {advice}"
+        on = result.design.contact.self_contact
+        result.summary["remedy"] = advice if on else f"{advice}, or {WITH_CONTACT}"
     elif corners.min() < COLLAPSED:
         x, y = 1e3 * mesh.triangle_centroids[int(corners.argmin())]
         result.summary["detail"] = (
