@@ -31,8 +31,7 @@ class Cover:
         parts: indicator χ of each part, see `Boundary.share`, shape (P, N).
         covered: that of all inert parts together, shape (N,).
         away: blended distance from their boundary, see `Boundary.away` [m], shape (N,); zero at
-            the edges in the laminate model and the triangles in the published one, whose free
-            strains do not lie there.
+            the triangles in the published model, whose free strains do not lie there.
     """
 
     parts: Floats
@@ -57,7 +56,7 @@ class SmoothPattern:
         edges: at the midpoints of the edges.
         triangles: at the centroids of the triangles.
         nodes: at the nodes.
-        farthest: greatest distance of a node from the inert parts [m], blended.
+        farthest: greatest distance of nodes and edges from the inert parts [m], blended.
         areal_masses: of the triangles, with layers that taper off [kg/m²], shape (T,).
     """
 
@@ -130,20 +129,35 @@ def smooth_pattern(design: Design, mesh: SheetMesh) -> SmoothPattern | None:
         away = whole.away(plane, width) if strained else np.zeros(len(plane))
         return Cover(np.stack(list(rows.values())), covered, away)
 
-    nodes = cover(mesh.nodes)
-    farthest, _ = blended_maximum(nodes.signed, mesh.node_areas, width)
+    nodes, edges = cover(mesh.nodes), cover(mesh.edge_midpoints)
+    farthest, _ = farthest_from(nodes, edges, mesh, width)
     if farthest <= 0.0:
         raise InputError("the pattern covers the whole mesh, so nothing can shrink")
     found = SmoothPattern(
         width=width,
         names=tuple(parts),
-        edges=cover(mesh.edge_midpoints, not design.laminate),
+        edges=edges,
         triangles=cover(mesh.triangle_centroids, design.laminate),
         nodes=nodes,
         farthest=farthest,
         areal_masses=np.zeros(len(mesh.triangles)),
     )
     return found.with_layers(design)
+
+
+def farthest_from(
+    nodes: Cover, edges: Cover, mesh: SheetMesh, width: float
+) -> tuple[float, Floats]:
+    """The greatest distance from the inert parts [m], and its derivatives.
+
+    Returns:
+        The distance, and its derivatives by the signed distances of nodes, then edges, (V + E,).
+    """
+    return blended_maximum(
+        np.concatenate([nodes.signed, edges.signed]),
+        np.concatenate([mesh.node_areas, mesh.edge_areas]),
+        width,
+    )
 
 
 def smooth_sign(u: Floats) -> Floats:

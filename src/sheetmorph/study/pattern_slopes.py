@@ -16,7 +16,7 @@ from sheetmorph.design.smoothing import (
     SOFTNESS,
     Cover,
     SmoothPattern,
-    blended_maximum,
+    farthest_from,
     smooth_boundaries,
     smooth_sign_slope,
 )
@@ -33,6 +33,8 @@ STEP = 1e-5
 """Of central differences of arrays, in indicators and in widths of the smoothing."""
 JUMP = 1e-3
 """Corners that move farther than this for a small step, in widths of the sheet, are others."""
+NEGLIGIBLE = 1e-15
+"""Shares of the greatest distance that are left out."""
 TOGETHER = "*"
 """Name of all inert parts together, where there are several."""
 
@@ -184,19 +186,18 @@ def _felt(
     ends = [_with(problem.regions, smooth, "farthest", smooth.farthest + s) for s in (step, -step)]
     farthest = rates(ends[0], ends[1], step)
     total = sum(float((fields[k] * rate).sum()) for k, rate in farthest.items())
-    _, weights = blended_maximum(smooth.nodes.signed, mesh.node_areas, smooth.width)
-    by_signed = total * weights
+    _, weights = farthest_from(smooth.nodes, smooth.edges, mesh, smooth.width)
+    weights[weights < NEGLIGIBLE] = 0.0
+    at_nodes, at_edges = np.split(total * weights, [len(mesh.nodes)])
     if not design.laminate:
-        by_signed += _by_side(problem, smooth, fields["coupling"])
-    nodes = smooth.nodes
-    found.append(
-        _Felt(
-            whole,
-            mesh.nodes[:, :2].copy(),
-            -2.0 * by_signed * nodes.away,
-            by_signed * (1.0 - 2.0 * nodes.covered),
+        at_nodes = at_nodes + _by_side(problem, smooth, fields["coupling"])
+    for plane, one, slope in (
+        (mesh.nodes[:, :2].copy(), smooth.nodes, at_nodes),
+        (mesh.edge_midpoints, smooth.edges, at_edges),
+    ):
+        found.append(
+            _Felt(whole, plane, -2.0 * slope * one.away, slope * (1.0 - 2.0 * one.covered))
         )
-    )
     return tuple(found)
 
 
