@@ -81,6 +81,15 @@ def test_gravity_may_stand_in_the_place_of_an_actuation() -> None:
 
 
 SLIT = '[contact]\nself_contact = true\n[outline]\nslits = [[["0 mm", "5 mm"], ["5 mm", "5 mm"]]]'
+DYNAMIC = """
+[solver]
+kind = "dynamic"
+[solver.dynamic]
+time_step = "5 ms"
+[solver.dynamic.course]
+times = ["0 s", "1 s"]
+actuation = [0, 1]
+"""
 TWO_WAYS = 'orientation = "upright"\ndirection = [0, 0, 1]'
 BROKEN = {
     "density": (BARE, {}, ["layers[0].density", "weight"]),
@@ -107,6 +116,7 @@ BROKEN = {
     ),
     "no weight": (HEAVY, {**FREE, "contact.table": True}, ["contact.table", "[gravity]"]),
     "slit": (HEAVY.replace("[outline]", SLIT), {}, ["contact.self_contact", "cutouts"]),
+    "dynamic": (HEAVY + DYNAMIC, {"contact.self_contact": True}, ["contact", "quasi_static"]),
     "no table": (HEAVY, {"contact.table_distance": "1 mm"}, ["contact.table_distance"]),
     "no direction": (HEAVY, {"gravity.direction": [0, 0, 0]}, ["gravity.direction", "[0, 0, -1]"]),
     "two ways": (

@@ -6,12 +6,15 @@ import numpy as np
 import pytest
 from small import SMALL
 
+from sheetmorph.branches.search import find_branches
+from sheetmorph.core.errors import InputError
 from sheetmorph.core.events import Event, Notice
 from sheetmorph.design.spec import Design
 from sheetmorph.geometry.crossings import crossing_pairs
 from sheetmorph.study.journal import Journal
 from sheetmorph.study.model import build_problem
 from sheetmorph.study.result import Result
+from sheetmorph.study.sensitivity import sensitivities
 from sheetmorph.study.simulate import simulate
 from sheetmorph.study.stability import modes_of
 
@@ -222,3 +225,29 @@ def test_a_sheet_that_crosses_is_told_without_contact(off: Result) -> None:
     (notice,) = off.summary["told"]
     assert f"{off.summary['crossing_pairs']} pairs of triangles" in notice
     assert "contact.self_contact = true" in notice
+
+
+def test_branches_are_refused_with_weight_and_contact() -> None:
+    for text in (STRIP, CANTILEVER):
+        with pytest.raises(InputError, match="without weight and contact"):
+            find_branches(Design.from_toml(text))
+
+
+def test_sensitivities_of_a_state_in_contact(rolled: Result) -> None:
+    """By the adjoint with what has grown, and by running twice."""
+    along = rolled.mesh.nodes[:, 0]
+    first, last = int(along.argmin()), int(along.argmax())
+
+    def objective(positions: np.ndarray) -> tuple[float, np.ndarray]:
+        across = positions[first] - positions[last]
+        slope = np.zeros_like(positions)
+        slope[first], slope[last] = across, -across
+        return 0.5 * float(across @ across), slope
+
+    key, step = "layers.0.eigenstrain_factor", 2e-4
+    found = sensitivities(rolled, objective, [key]).keys[key]
+    values = []
+    for sign in (1.0, -1.0):
+        moved = simulate(Design.from_toml(STRIP).with_values({key: 1.0 + sign * step}))
+        values.append(objective(moved.positions[-1])[0])
+    assert found == pytest.approx((values[0] - values[1]) / (2.0 * step), rel=2e-3)

@@ -79,9 +79,10 @@ def find_branches(
         on_event: told of the progress.
 
     Raises:
-        InputError: the design and its mesh do not fit together.
+        InputError: the design and its mesh do not fit together, or it has weight or contact.
         ComputationError: not one seed arrives at full actuation.
     """
+    _check_alone(design)
     on_event(Progress(0.0, "the run of the design"))
     result = simulate(design, mesh=mesh)
     problem = build_problem(design, result.mesh)
@@ -113,6 +114,16 @@ def find_branches(
         followed=path[-1].ramp,
         images=tuple(image.name for image in search.sameness.images[1:]),
     )
+
+
+def _check_alone(design: Design) -> None:
+    """Refuse paths that do not begin flat, and barriers that lead through the sheet."""
+    if design.gravity is not None or design.contact.table or design.contact.self_contact:
+        raise InputError(
+            "branches are those of a sheet without weight and contact",
+            key="contact" if design.gravity is None else "gravity",
+            allowed="a design without these tables",
+        )
 
 
 def _seeds(

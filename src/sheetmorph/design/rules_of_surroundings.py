@@ -23,8 +23,15 @@ def check_surroundings(design: DesignSchema) -> None:
             key="contact.table",
             allowed="a [gravity] table too, or a [[supports]] table",
         )
+    contact = design.contact
+    if design.solver.kind == "dynamic" and (contact.self_contact or contact.table):
+        raise problem(
+            "the dynamic solver knows no contact",
+            key="contact",
+            allowed="solver.kind = quasi_static, or no table",
+        )
     outline = design.outline
-    if design.contact.self_contact and (outline.slits or getattr(outline, "slit_select", None)):
+    if contact.self_contact and (outline.slits or getattr(outline, "slit_select", None)):
         raise problem(
             "the two lips of a slit touch from the beginning, so contact cannot tell them apart",
             key="contact.self_contact",

@@ -153,7 +153,8 @@ class _State:
         x = np.concatenate([result.positions[-1].ravel(), result.scalars[-1]])
         ramp, load = float(result.ramp[-1]), float(result.load_fraction[-1])
         pattern = problem.total.pattern
-        linear = make_solver(pattern, result.design.solver.linear_solver)
+        growth = problem.total.growth
+        linear = make_solver(pattern, result.design.solver.linear_solver, growth=growth)
         held = HeldDofs.of(pattern, problem.held_dofs)
         return cls(problem, System(problem.total.at(ramp, load), held, linear), x, ramp, load)
 
