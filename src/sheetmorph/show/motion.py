@@ -21,10 +21,10 @@ NAME = "energies.png"
 
 _STORED = (("kinetic_J", "kinetic", style.SCAN), ("elastic_J", "elastic", style.SHAPE))
 _FLOWS = (
-    ("actuation_work_J", "work of the actuation", style.BALANCED),
-    ("load_work_J", "work of the loads", style.BOTTOM),
-    ("damped_J", "taken by damping", (120, 130, 140)),
-    ("numerical_J", "taken by the steps in time", (190, 150, 90)),
+    ("actuation_work_J", "by the actuation", style.BALANCED),
+    ("load_work_J", "by loads", style.BOTTOM),
+    ("damped_J", "damped", (120, 130, 140)),
+    ("numerical_J", "lost to the steps in time", (190, 150, 90)),
 )
 
 
@@ -52,9 +52,9 @@ def write_energies(result: Result, path: Path) -> Path:
     sheet.title("Energies of the motion", subtitle(result, str(result.summary["status"])))
     width = WIDTH - 116 - 56
     for row, (columns, label) in enumerate(
-        ((_STORED, "energy  [mJ]"), (_FLOWS, "so far  [mJ]"))[:rows]
+        ((_STORED, "energy  [mJ]"), (_FLOWS, "work so far  [mJ]"))[:rows]
     ):
-        axes = sheet.inset(116, 110 + 330 * (rows - 1 - row), width, 300)
+        axes = sheet.inset(116, 110 + 330 * (rows - 1 - row), width, 274)
         _curves(axes, motion, columns, label)
         if row == rows - 1:
             axes.set_xlabel("time  [s]", labelpad=8)
@@ -64,7 +64,9 @@ def write_energies(result: Result, path: Path) -> Path:
     rest = "at rest" if told["at_rest"] else "in motion"
     end = f"{rest} at {told['time_s']:.3g} s"
     sheet.text(WIDTH - 24, sheet.height - 20, end, ha="right", va="top", fontsize=16)
-    sheet.foot("kinetic + elastic = works − what damping and the steps in time have taken")
+    sheet.foot(
+        "kinetic + elastic = work by the actuation and by loads − damped − lost to the steps in time"
+    )
     return sheet.save(path)
 
 
@@ -84,4 +86,11 @@ def _curves(
     axes.set_axisbelow(True)
     for side in ("top", "right"):
         axes.spines[side].set_visible(False)
-    axes.legend(loc="best", frameon=False, fontsize=style.SMALL)
+    axes.legend(
+        loc="lower left",
+        bbox_to_anchor=(-0.01, 0.99),
+        ncol=len(columns),
+        frameon=False,
+        fontsize=style.SMALL,
+        columnspacing=1.4,
+    )
