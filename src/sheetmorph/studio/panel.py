@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import inspect
 import re
+from functools import lru_cache
 from typing import TYPE_CHECKING, Annotated, Any, Literal, get_args, get_origin
 
 from annotated_types import Ge, Gt, Le, Lt
@@ -163,6 +164,7 @@ def _words(name: str) -> str:
     return _LABELS.get(name) or name.replace("_", " ").capitalize()
 
 
+@lru_cache(maxsize=256)
 def _described(section: type) -> dict[str, str]:
     """What the docstrings of a section and of its bases say of its attributes."""
     found: dict[str, str] = {}

@@ -102,8 +102,9 @@ class Session:
 
     def begin(self) -> None:
         """Show the design: from what was computed before, where there is any."""
-        for packet in self._last.values():
-            self.outbox.put("again", packet)
+        for kind in ("design", "scan", "scene", "checked"):
+            if kind in self._last:
+                self.outbox.put("again", self._last[kind])
         if not self.begun or "scene" not in self._last:
             self.begun = True
             self._want(Wish(commit=False))
@@ -236,7 +237,7 @@ class Session:
                     del self._pending[key]
         if kind == "scene" and not head["preview"]:
             self._full_seconds = head["numbers"]["seconds"]
-        if kind in ("design", "scene") and not wish.drag:
+        if kind in ("design", "scene", "checked") and not wish.drag:
             self._last[kind] = packet
         self.outbox.put(kind, packet)
         if kind == "design":

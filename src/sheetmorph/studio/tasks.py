@@ -130,8 +130,9 @@ def _solve(
         head["fields"]["scan"], distances = near
         arrays |= distances
     head["numbers"]["seconds"] = perf_counter() - began
-    head["warnings"] = [] if preview else describe(design, mesh)["warnings"]
     desk.answer("scene", head, arrays)
+    if not preview:
+        desk.answer("checked", {"warnings": describe(design, mesh)["warnings"]})
 
 
 def _preview(design: Design, memory: Memory) -> tuple[Design, SheetMesh]:

@@ -28,12 +28,16 @@ on("scene", (head) => {
   numbers(head.numbers, head.preview);
   if (head.preview) state("preview", "working");
   else {
-    warnings = [...head.warnings];
+    warnings = [];
     const n = head.numbers;
     if (n.status !== "completed") {
       warnings.unshift(`The shape was followed to ${Math.round(100 * n.reached)} % of the actuation only (${n.detail || n.status.replaceAll("_", " ")}): ${n.remedy}.`);
     } else if (!n.stable) warnings.unshift(`The shape is an equilibrium, but not a stable one: ${n.remedy}.`);
   }
+  log();
+});
+on("checked", (head) => {
+  warnings.push(...head.warnings);
   log();
 });
 on("settled", (head) => {
