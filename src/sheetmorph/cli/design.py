@@ -48,6 +48,14 @@ MOST_WORKERS = 8
 @click.option("--symmetry", type=int, metavar="N", help="N rotations must leave the pattern alike.")
 @click.option("--budget", type=int, default=240, show_default=True, help="Designs per family.")
 @click.option("--descents", type=int, default=2, show_default=True, help="Ways down at the end.")
+@click.option(
+    "--accuracy",
+    type=float,
+    default=0.2,
+    show_default=True,
+    metavar="PERCENT",
+    help="Distance, in percent of the size, at which the search ends.",
+)
 @click.option("--steps", type=int, default=25, show_default=True, help="Of the field of free.")
 @click.option("--seed", type=int, default=0, show_default=True, help="Of the search.")
 @click.option("--workers", type=int, help=f"Processes. Default: the processors, ≤ {MOST_WORKERS}.")
@@ -73,6 +81,7 @@ def design(
     symmetry: int | None,
     budget: int,
     descents: int,
+    accuracy: float,
     steps: int,
     seed: int,
     workers: int | None,
@@ -125,6 +134,7 @@ def design(
             ),
             budget=budget,
             descents=descents,
+            accuracy=0.01 * accuracy,
             steps=steps,
             sheet=read_length(sheet, "--sheet"),
             fixed=_fixed(fixes),
@@ -267,6 +277,7 @@ _OPTIONS = {
     "symmetry": "--symmetry",
     "budget": "--budget",
     "descents": "--descents",
+    "accuracy": "--accuracy",
     "steps": "--steps",
     "seed": "--seed",
     "sheet": "--sheet",

@@ -6,6 +6,7 @@ any size. A family needs no more than a function from values to the tables of a 
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Literal
@@ -33,6 +34,8 @@ class Parameter:
         low, high: bounds, both allowed.
         unit: "m", "share" of the half width, or "" for a plain number.
         whole: whether it takes whole numbers alone.
+        key: of the design that follows it while the mesh stays; empty where none does.
+        factor: of that key by the parameter; half the width of the sheet for a share.
     """
 
     name: str
@@ -40,6 +43,8 @@ class Parameter:
     high: float
     unit: Literal["m", "share", ""] = "share"
     whole: bool = False
+    key: str = ""
+    factor: float = 1.0
 
     @property
     def choices(self) -> int:
@@ -47,7 +52,7 @@ class Parameter:
         return int(self.high - self.low) + 1
 
 
-EPS_PRE = Parameter("eps_pre", -0.80, -0.05, "")
+EPS_PRE = Parameter("eps_pre", -0.80, -0.05, "", key="actuation.eps_pre")
 SIZE = "size"
 
 
@@ -214,6 +219,16 @@ def restricted(space: Space, fixed: Values) -> Space:
     return replace(space, parameters=left, fixed={**space.fixed, **fixed})
 
 
+def _share(name: str, low: float, high: float) -> Parameter:
+    """A length of the first shape of the pattern, as a share of the half width of the sheet."""
+    return Parameter(name, low, high, key=f"pattern.0.{name}")
+
+
+def _angle(low: float, high: float) -> Parameter:
+    """The rotation of the first shape of the pattern [deg]."""
+    return Parameter("rotation", low, high, "", key="pattern.0.rotation", factor=math.pi / 180.0)
+
+
 FAMILIES: dict[str, Family] = {
     one.name: one
     for one in (
@@ -222,9 +237,9 @@ FAMILIES: dict[str, Family] = {
             "a disc with a star of straight arms: bowls",
             (
                 Parameter("arms", 3, 8, "", whole=True),
-                Parameter("arm_length", 0.35, 0.97),
-                Parameter("half_width", 0.02, 0.20),
-                Parameter("hub_radius", 0.02, 0.60),
+                _share("arm_length", 0.35, 0.97),
+                _share("half_width", 0.02, 0.20),
+                _share("hub_radius", 0.02, 0.60),
             ),
             plans.star,
             plans.spread_disc,
@@ -234,9 +249,9 @@ FAMILIES: dict[str, Family] = {
             "a disc with a round middle and petals: bowls",
             (
                 Parameter("petals", 3, 8, "", whole=True),
-                Parameter("disc_radius", 0.10, 0.60),
-                Parameter("radius", 0.65, 0.97),
-                Parameter("petal_half_width", 0.04, 0.25),
+                _share("disc_radius", 0.10, 0.60),
+                _share("radius", 0.65, 0.97),
+                _share("petal_half_width", 0.04, 0.25),
             ),
             plans.lotus,
             plans.spread_disc,
@@ -244,7 +259,7 @@ FAMILIES: dict[str, Family] = {
         Family(
             "ring",
             "a disc with a ring near its rim: saddles",
-            (Parameter("radius", 0.60, 1.0), Parameter("width", 0.05, 0.45)),
+            (_share("radius", 0.60, 1.0), _share("width", 0.05, 0.45)),
             plans.ring,
             plans.spread_disc,
         ),
@@ -253,9 +268,9 @@ FAMILIES: dict[str, Family] = {
             "a rectangle with a four-armed star: petals, vaults",
             (
                 Parameter("aspect", 0.4, 1.0, ""),
-                Parameter("arm_length", 0.4, 1.4),
-                Parameter("half_width", 0.02, 0.25),
-                Parameter("rotation", 0.0, 45.0, ""),
+                _share("arm_length", 0.4, 1.4),
+                _share("half_width", 0.02, 0.25),
+                _angle(0.0, 45.0),
             ),
             plans.cross,
             plans.spread_rectangle,
@@ -265,9 +280,9 @@ FAMILIES: dict[str, Family] = {
             "an ellipse or rectangle with two joined stars: long bowls",
             (
                 Parameter("aspect", 0.25, 1.0, ""),
-                Parameter("spacing", 0.1, 1.1),
-                Parameter("arm_length", 0.15, 0.6),
-                Parameter("half_width", 0.02, 0.12),
+                _share("spacing", 0.1, 1.1),
+                _share("arm_length", 0.15, 0.6),
+                _share("half_width", 0.02, 0.12),
             ),
             plans.canoe,
             plans.spread_ellipse,
@@ -278,7 +293,7 @@ FAMILIES: dict[str, Family] = {
             (
                 Parameter("ribs", 1, 6, "", whole=True),
                 Parameter("aspect", 0.4, 1.0, ""),
-                Parameter("half_width", 0.02, 0.15),
+                _share("half_width", 0.02, 0.15),
                 Parameter("rotation", 0.0, 90.0, ""),
             ),
             plans.stripes,

@@ -28,7 +28,8 @@ from sheetmorph.inverse.misfit import (
     shape_of,
 )
 from sheetmorph.inverse.result import Found, Step
-from sheetmorph.inverse.search_global import evolve
+from sheetmorph.inverse.search_global import evolve, siblings
+from sheetmorph.inverse.search_gradient import slide
 from sheetmorph.inverse.search_local import descend
 from sheetmorph.inverse.targets import Target
 from sheetmorph.study.result import Result
@@ -48,6 +49,7 @@ class SearchOptions:
         limits: of fabrication.
         budget: designs of each family on coarse meshes.
         descents: of the best of them that are followed down on their own meshes.
+        accuracy: distance, as a share of the size, at which the search ends.
         steps: iterations on the graded field of the free family.
         sheet: size of the sheet [m]; then the target may be scaled freely. None: the target
             has its size, and the sheet follows from it.
@@ -63,6 +65,7 @@ class SearchOptions:
     limits: Limits = field(default_factory=Limits)
     budget: int = 240
     descents: int = 2
+    accuracy: float = 2e-3
     steps: int = 25
     sheet: float | None = None
     fixed: Mapping[str, float] = field(default_factory=dict)
@@ -73,6 +76,7 @@ class SearchOptions:
         for name, low, high in (
             ("budget", 1, 100_000),
             ("descents", 0, 20),
+            ("accuracy", 0.0, 0.5),
             ("steps", 1, 1000),
             ("seed", 0, 2**31),
             ("sheet", 5e-3, 3.0),
@@ -169,24 +173,29 @@ def _searched(
     evaluations: Evaluations, spaces: Mapping[str, Space], options: SearchOptions, watch: _Watch
 ) -> Evaluation:
     """The best of all families, on its own mesh."""
-    rough = [
-        one
-        for space in spaces.values()
-        for one in evolve(evaluations, space, options.budget, options.seed)[: options.descents + 1]
-    ]
-    rough.sort(key=lambda one: (one.misfit, one.family, one.point))
+    rough: list[Evaluation] = []
+    for space in spaces.values():
+        found = evolve(evaluations, space, options.budget, options.seed)
+        rough += [*found, *siblings(evaluations, space, found[0])]
     watch.begin_fine()
-    chosen = [one for one in _unlike(rough, spaces) if one.completed][: max(1, options.descents)]
-    if options.descents:
-        fine = [descend(evaluations, spaces[one.family], one) for one in chosen]
-    else:
-        fine = [evaluations(Job(one.family, one.point, coarse=False)) for one in chosen]
-    fine = [one for one in fine if one.completed]
+    kinds = _one_of_each_kind(rough, spaces)[: options.descents + 2]
+    begun = (
+        kinds if options.sheet else [slide(evaluations, spaces[one.family], one) for one in kinds]
+    )
+    own = evaluations.many([Job(one.family, one.point, coarse=False) for one in begun])
+    fine = sorted((one for one in own if one.completed), key=_order)
+    for one in fine[: options.descents]:
+        if min(done.distance for done in fine) > options.accuracy:
+            fine.append(descend(evaluations, spaces[one.family], one, options.accuracy))
     if not fine:
         raise ComputationError(
             "no design of the family reached its end; try another family, or other bounds by --fix"
         )
-    return min(fine, key=lambda one: (one.misfit, one.family, one.point))
+    return min(fine, key=_order)
+
+
+def _order(one: Evaluation) -> tuple[float, str, tuple[float, ...]]:
+    return one.misfit, one.family, one.point
 
 
 def laid_best(target: Target, result: Result, scale: float | None, best: Evaluation) -> Laid:
@@ -221,18 +230,14 @@ def _name(target: Target, family: str) -> str:
     return "".join(c if c.isalnum() or c in " ._+-" else "-" for c in words)[:100].lstrip(" ._+-")
 
 
-def _unlike(sorted_best: list[Evaluation], spaces: Mapping[str, Space]) -> list[Evaluation]:
-    """The best without those of the same whole numbers and family as a better one, those last."""
-    seen: set[tuple[object, ...]] = set()
-    first: list[Evaluation] = []
-    later: list[Evaluation] = []
-    for one in sorted_best:
-        parameters = spaces[one.family].parameters
-        pairs = zip(parameters, one.point, strict=True)
+def _one_of_each_kind(rough: list[Evaluation], spaces: Mapping[str, Space]) -> list[Evaluation]:
+    """The best of each family and choice of whole numbers, best first."""
+    kinds: dict[tuple[object, ...], Evaluation] = {}
+    for one in sorted((one for one in rough if one.completed), key=_order):
+        pairs = zip(spaces[one.family].parameters, one.point, strict=True)
         kind = (one.family, *(value for parameter, value in pairs if parameter.whole))
-        (later if kind in seen else first).append(one)
-        seen.add(kind)
-    return first + later
+        kinds.setdefault(kind, one)
+    return list(kinds.values())
 
 
 class _Watch:
@@ -268,7 +273,7 @@ class _Watch:
 
     def __call__(self, job: Job, found: Evaluation) -> None:
         self.count += 1
-        if found.completed and found.misfit < self._best:
+        if found.completed and not job.slopes and found.misfit < self._best:
             self._best = found.misfit
             stage = "fine" if self._fine else "coarse"
             self.steps.append(Step(self.count, found.misfit, f"{job.family}, {stage}"))
@@ -280,6 +285,6 @@ class _Watch:
             )
             self._on_better(design, found, tuple(self.steps))
         share = min(0.94, 0.94 * self.count / self._expected)
-        where = "own mesh" if self._fine else "coarse mesh"
+        where = "smeared" if job.slopes else "coarse mesh" if job.coarse else "own mesh"
         best = f"{100 * self._best:.2f} %" if self._best < 1.0 else "none yet"
         self._on_event(Progress(share, f"{job.family}, {where}: {self.count} designs, best {best}"))

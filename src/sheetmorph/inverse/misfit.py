@@ -44,6 +44,7 @@ class Job:
         coarse: on a coarse mesh.
         near: numbers of the pose to begin with; all poses are tried when empty.
         residuals: whether these are wanted too.
+        slopes: with a smeared pattern, and derivatives in the place of residuals.
     """
 
     family: str
@@ -51,6 +52,7 @@ class Job:
     coarse: bool = True
     near: tuple[float, ...] = ()
     residuals: bool = False
+    slopes: bool = False
 
 
 @dataclass(frozen=True)
@@ -108,6 +110,10 @@ class Measure:
         Raises:
             KeyboardInterrupt: the simulation was interrupted.
         """
+        if job.slopes:
+            from sheetmorph.inverse.search_gradient import slopes_of
+
+            return slopes_of(self, job)
         began = perf_counter()
         space = self.spaces[job.family]
         given = (job.family, job.point)

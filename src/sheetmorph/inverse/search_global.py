@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from itertools import islice, product
+
 import numpy as np
 
 from sheetmorph.inverse.evaluations import Evaluations
@@ -11,6 +13,7 @@ from sheetmorph.inverse.misfit import Evaluation, Job
 SIGMA = 0.3
 """First standard deviation, as a share of the bounds."""
 POPULATION = 12
+MOST_SIBLINGS = 24
 
 
 def evolve(evaluations: Evaluations, space: Space, budget: int, seed: int) -> list[Evaluation]:
@@ -55,6 +58,24 @@ def evolve(evaluations: Evaluations, space: Space, budget: int, seed: int) -> li
         strategy.tell(asked, [answer.misfit for answer in answers])
         found.update(zip(points, answers, strict=True))
     return sorted(found.values(), key=lambda one: (one.misfit, one.point))
+
+
+def siblings(evaluations: Evaluations, space: Space, best: Evaluation) -> list[Evaluation]:
+    """The best design with every other choice of its whole numbers, all else as it is.
+
+    An evolution soon keeps to the whole numbers that did well first, though the others may do as
+    well once all else fits them.
+    """
+    whole = [k for k, one in enumerate(space.parameters) if one.whole]
+    ranges = [range(int(space.low[k]), int(space.high[k]) + 1) for k in whole]
+    jobs = []
+    for choice in islice(product(*ranges), MOST_SIBLINGS):
+        point = list(best.point)
+        for k, value in zip(whole, choice, strict=True):
+            point[k] = float(value)
+        if tuple(point) != best.point:
+            jobs.append(Job(space.family.name, tuple(point)))
+    return evaluations.many(jobs)
 
 
 def _point(space: Space, unit: np.ndarray) -> tuple[float, ...]:

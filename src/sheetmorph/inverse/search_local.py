@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from contextlib import suppress
+
 import numpy as np
 
 from sheetmorph.geometry.mesh import Floats
@@ -16,7 +18,9 @@ STEPS = 8
 _INSIDE = 1e-3
 
 
-def descend(evaluations: Evaluations, space: Space, start: Evaluation) -> Evaluation:
+def descend(
+    evaluations: Evaluations, space: Space, start: Evaluation, accuracy: float = 0.0
+) -> Evaluation:
     """Follow the residuals downhill, by a trust region within the bounds (Branch et al. 1999).
 
     The derivatives by the parameters are differences of whole simulations, made side by side:
@@ -27,6 +31,7 @@ def descend(evaluations: Evaluations, space: Space, start: Evaluation) -> Evalua
         evaluations: measure designs.
         space: of the designs.
         start: where to begin.
+        accuracy: distance, as a share of the size, at which it ends.
 
     Returns:
         The best that was measured on the way.
@@ -50,6 +55,8 @@ def descend(evaluations: Evaluations, space: Space, start: Evaluation) -> Evalua
         return np.array(found.residuals) if found.completed else np.full(count, FAILED)
 
     def residuals(unit: Floats) -> Floats:
+        if min(one.distance for one in seen) <= accuracy:
+            raise _EnoughError
         found = evaluations(job(unit))
         seen.append(found)
         return rows(found)
@@ -72,5 +79,12 @@ def descend(evaluations: Evaluations, space: Space, start: Evaluation) -> Evalua
         return first
     count = len(here.residuals)
     seen.append(here)
-    least_squares(residuals, begin, slopes, bounds=(0.0, 1.0), max_nfev=STEPS, xtol=2e-3, ftol=1e-3)
+    with suppress(_EnoughError):
+        least_squares(
+            residuals, begin, slopes, bounds=(0.0, 1.0), max_nfev=STEPS, xtol=2e-3, ftol=1e-3
+        )
     return min(seen, key=lambda one: (one.misfit, one.point))
+
+
+class _EnoughError(Exception):
+    """Ends the way down where it is near enough."""

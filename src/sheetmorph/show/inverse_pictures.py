@@ -165,7 +165,9 @@ def _caption(sheet: Sheet, column: int, row: int, caption: str) -> None:
 def _flat_caption(result: Result) -> str:
     wide, high = (1e3 * float(side) for side in np.ptp(result.mesh.nodes[:, :2], axis=0))
     reached = f"{100 * result.design.eps_pre:.1f} %".replace("-", "−")
-    return f"flat: {wide:.0f} × {high:.0f} mm, free strain {reached}"
+    graded = result.design.actuation.profile == "field"
+    strain = "free strain by place" if graded else f"free strain {reached}"
+    return f"flat: {wide:.0f} × {high:.0f} mm, {strain}"
 
 
 def _flat(sheet: Sheet, result: Result, column: int, row: int, caption: str) -> None:
