@@ -7,6 +7,7 @@ import pytest
 from laminates import LAMINATE
 
 from sheetmorph.core.errors import InputError
+from sheetmorph.design.check import describe, format_description
 from sheetmorph.design.loads import gravity_forces
 from sheetmorph.design.regions import regions
 from sheetmorph.design.spec import Design
@@ -140,3 +141,17 @@ def test_what_is_refused_and_how(name: str) -> None:
         Design.from_toml(text).with_values(values)
     for word in words:
         assert word in str(error.value)
+
+
+def test_check_tells_of_weight_and_table_and_warns_of_soft_edges() -> None:
+    values = {**FREE, "gravity.orientation": "turned_over", "contact.table": True}
+    design = Design.from_toml(HEAVY).with_values(values)
+    report = describe(design)
+    text = format_description(report)
+    assert report["gravity"]["weight"] == pytest.approx(9.80665 * report["mass"], rel=1e-12)
+    assert "down is (0, 0, 1)" in text
+    assert "with a table" in text
+    assert "free to slide" in text
+    assert report["warnings"] == []
+    soft = describe(design.with_values({"model": "published"}))
+    assert any("published.stretch_stiffness" in warning for warning in soft["warnings"])

@@ -113,6 +113,7 @@ def _tell(summary: dict[str, Any], folder: Path, notes: list[str]) -> None:
         f"{summary['solver']}, {summary['states']} states\n"
         f"{_motion(summary)}"
         f"{_stability(summary)}"
+        f"{_surroundings(summary)}"
         f"  everything {seconds['wall']:.1f} s\n"
         f"results in {folder}{'/' if not str(folder).endswith('/') else ''}"
         f"{' (open report.html)' if (folder / 'report.html').is_file() else ''}"
@@ -143,3 +144,25 @@ def _stability(summary: dict[str, Any]) -> str:
     first = told["first_bifurcation"]
     place = f"at eps_pre {first['eps_pre']:.4g}" if first else "none found"
     return f"  modes      {values} N/m³; first bifurcation without load: {place}\n"
+
+
+def _surroundings(summary: dict[str, Any]) -> str:
+    """What bears the sheet, and whether it passes through itself."""
+    lines = ""
+    if table := summary.get("table"):
+        touching, weight = table["nodes_in_contact"], summary.get("weight_N", 0.0)
+        lines += (
+            f"  table      bears {table['reaction_N']:.4g} N of {weight:.4g} N "
+            f"on {touching} {'node' if touching == 1 else 'nodes'}\n"
+        )
+    elif "weight_N" in summary:
+        lines += f"  weight     {summary['weight_N']:.4g} N\n"
+    if any(one["touches"] for one in summary.get("self_contact", [])):
+        lines += "  contact    the sheet touches itself\n"
+    if crossing := summary["crossing_pairs"]:
+        pairs = "a pair" if crossing == 1 else f"{crossing} pairs"
+        lines += (
+            f"  warning    the sheet passes through itself in {pairs} of triangles; "
+            "contact.self_contact = true keeps its parts apart\n"
+        )
+    return lines

@@ -15,7 +15,7 @@ from sheetmorph.design.laminate import (
     published_stiffness,
     total_mass,
 )
-from sheetmorph.design.loads import load_forces
+from sheetmorph.design.loads import gravity_forces, load_forces
 from sheetmorph.design.meshing import hinge_orientation
 from sheetmorph.design.regions import Regions, regions
 from sheetmorph.design.sections import EVERYWHERE
@@ -81,7 +81,7 @@ def describe(design: Design, mesh: SheetMesh | None = None) -> dict[str, Any]:
         "supports": {
             "held_nodes": int(held.any(axis=1).sum()),
             "free_dofs": int((~held).sum())
-            - (0 if held.any() else 6)
+            - (0 if held.any() else 3 if design.contact.table else 6)
             + (len(mesh.edges) - directed if design.laminate else 0),
         },
         "directed_edges": directed,
@@ -90,12 +90,25 @@ def describe(design: Design, mesh: SheetMesh | None = None) -> dict[str, Any]:
             "net_force": loads.sum(axis=0).tolist(),
             "total_force": float(np.linalg.norm(loads, axis=1).sum()),
         },
+        "gravity": _weight(design, mesh, region),
+        "contact": {
+            "self_contact": design.contact.self_contact,
+            "table": design.contact.table,
+        },
         "perturbation": {
             "shape": design.perturbation.shape,
             "total_force": float(np.abs(forces[:, 2]).sum()),
         },
     }
     return report | {"warnings": _warnings(design, mesh, report)}
+
+
+def _weight(design: Design, mesh: SheetMesh, region: Regions) -> dict[str, Any] | None:
+    """Weight and where it pulls; None without gravity."""
+    if design.gravity is None:
+        return None
+    total = gravity_forces(design, mesh, region).sum(axis=0)
+    return {"weight": float(np.linalg.norm(total)), "down": list(design.gravity.down)}
 
 
 def _plan_numbers(design: Design) -> dict[str, Any]:
@@ -159,7 +172,8 @@ def format_description(report: dict[str, Any]) -> str:
     table = actuation["table"]
     what = "eps_pre" if table is None else f"strains of {table}, times"
     held = support["held_nodes"]
-    holds = f"{held} nodes held" if held else "free sheet, rigid motions removed"
+    free = "free to slide" if report["contact"]["table"] else "free sheet, rigid motions removed"
+    holds = f"{held} nodes held" if held else free
     if report["directed_edges"]:
         holds += f", {report['directed_edges']} edges keep their normal"
     push, load = report["perturbation"], report["loads"]
@@ -172,9 +186,23 @@ def format_description(report: dict[str, Any]) -> str:
             [_row("loads", f"{load['total_force']:.3g} N in all, net ({net}) N")]
             * bool(load["count"])
         ),
+        *_around(report),
         _row("perturbation", f"{push['shape']}, {push['total_force']:.3g} N in all"),
     ]
     return "\n".join([*lines, *(_row("warning", warning) for warning in report["warnings"])])
+
+
+def _around(report: dict[str, Any]) -> list[str]:
+    rows = []
+    if report["gravity"] is not None:
+        x, y, z = report["gravity"]["down"]
+        where = f"down is ({x:g}, {y:g}, {z:g})"
+        rows.append(_row("gravity", f"{report['gravity']['weight']:.4g} N, {where}"))
+    names = {"self_contact": "with itself", "table": "with a table"}
+    known = [name for key, name in names.items() if report["contact"][key]]
+    if known:
+        rows.append(_row("contact", ", ".join(known)))
+    return rows
 
 
 def _row(label: str, text: str) -> str:
@@ -276,6 +304,12 @@ def _warnings(design: Design, mesh: SheetMesh, report: dict[str, Any]) -> list[s
         found.append("slits are not opened in a mesh from a file; its own edges decide")
     if design.spec.mesh.symmetry != "none" and not _symmetric_supports(design, mesh):
         found.append("the supports do not have the symmetry of the mesh, so the shape will not")
-    if report["actuation"]["eps_pre"] == 0 and not design.loads:
+    soft = design.published.stretch_stiffness == "scaled_by_edge_length"
+    if report["gravity"] is not None and report["model"] == "published" and soft:
+        found.append(
+            "gravity stretches this sheet too much: the released stiffness of its edges is scaled "
+            'by their length in metres; published.stretch_stiffness = "printed" is not'
+        )
+    if report["actuation"]["eps_pre"] == 0 and not (design.loads or report["gravity"]):
         found.append("eps_pre is 0, so the sheet stays flat")
     return found

@@ -140,6 +140,22 @@ _ALL = (
         "pictures of the shape",
     ),
     Citation(
+        "li2020",
+        "M. Li, Z. Ferguson, T. Schneider, T. Langlois, D. Zorin, D. Panozzo, C. Jiang, "
+        "D. M. Kaufman",
+        "Incremental potential contact: intersection- and inversion-free, large-deformation "
+        "dynamics",
+        "ACM Transactions on Graphics 39, 2020",
+        "barriers that keep the sheet off itself and off the table",
+    ),
+    Citation(
+        "li2021",
+        "M. Li, D. M. Kaufman, C. Jiang",
+        "Codimensional incremental potential contact",
+        "ACM Transactions on Graphics 40, 2021",
+        "a least distance for the thickness, and collision detection for it",
+    ),
+    Citation(
         "hunter2007",
         "J. D. Hunter",
         "Matplotlib: a 2D graphics environment",
@@ -169,6 +185,10 @@ def references(summary: Mapping[str, Any]) -> list[Citation]:
     wanted = {*_ALWAYS, *_BY_MODEL.get(str(summary.get("model", "")), ())}
     solver = str(summary.get("solver", "")).lower()
     wanted |= {key for name, key in _BY_SOLVER.items() if name in solver}
+    if "self_contact" in summary:
+        wanted |= {"li2020", "li2021"}
+    elif "table" in summary:
+        wanted.add("li2020")
     if summary.get("renderer") == "vtk":
         wanted.add("schroeder2006")
     return [citation for citation in _ALL if citation.key in wanted]

@@ -59,6 +59,9 @@ _TABLES: tuple[tuple[str, tuple[tuple[str, str, float, str], ...]], ...] = (
             ("Stretching", "energy_J.stretch", 1e3, "mJ"),
             ("Bending", "energy_J.bend", 1e3, "mJ"),
             ("Load", "energy_J.load", 1e3, "mJ"),
+            ("Weight", "energy_J.weight", 1e3, "mJ"),
+            ("Table", "energy_J.table", 1e3, "mJ"),
+            ("Contact with itself", "energy_J.self_contact", 1e3, "mJ"),
             ("Total", "energy_J.total", 1e3, "mJ"),
         ),
     ),
@@ -77,6 +80,18 @@ _TABLES: tuple[tuple[str, tuple[tuple[str, str, float, str], ...]], ...] = (
             ("Work of the loads", "motion.load_work_J", 1e3, "mJ"),
             ("Taken by damping", "motion.damped_J", 1e3, "mJ"),
             ("Taken by the steps in time", "motion.numerical_J", 1e3, "mJ"),
+        ),
+    ),
+    (
+        "Around the sheet",
+        (
+            ("Weight", "weight_N", 1e3, "mN"),
+            ("Borne by the table", "table.reaction_N", 1e3, "mN"),
+            ("Nodes on the table", "table.nodes_in_contact", 1.0, ""),
+            ("Lowest node above the table", "table.lowest_m", 1e3, "mm"),
+            ("Parts apart by more than", "self_contact.1.gap_m", 1e3, "mm"),
+            ("Touches itself", "self_contact.1.touches", 1.0, ""),
+            ("Pairs of triangles that cross", "crossing_pairs", 1.0, ""),
         ),
     ),
     (
@@ -171,6 +186,11 @@ def banner_of(result: Result) -> Banner:
         remedy = remedy or "try another perturbation load, or smaller steps (solver.max_step)"
         title = "Completed, but the last state is not stable"
         return Banner(False, title, [*lines, f"Remedy: {remedy}"])
+    if crossing := summary.get("crossing_pairs", 0):
+        pairs = "a pair" if crossing == 1 else f"{crossing} pairs"
+        lines.append(f"The sheet passes through itself in {pairs} of triangles.")
+        remedy = "Remedy: contact.self_contact = true"
+        return Banner(False, "Completed, but no sheet can have this shape", [*lines, remedy])
     return Banner(True, "Completed, and the last state is stable", lines)
 
 
