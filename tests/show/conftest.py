@@ -74,6 +74,7 @@ class StandInResult:
     triangle_in_pattern: np.ndarray
     held_nodes: np.ndarray
     summary: dict
+    motion: None = None
 
     @property
     def regions(self):

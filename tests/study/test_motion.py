@@ -12,6 +12,7 @@ from moving import CANTILEVER, DENSITY, FORCE, HEIGHT, LENGTH, POKED, WIDTH, YOU
 from small import SMALL
 
 import sheetmorph as sm
+from sheetmorph.branches.search import find_branches
 from sheetmorph.core.errors import InputError
 from sheetmorph.core.events import MomentReached, Progress
 from sheetmorph.design.masses import node_masses
@@ -268,8 +269,10 @@ def test_what_cannot_move_is_refused() -> None:
     ):
         with pytest.raises(InputError, match=words):
             design.with_values(values)
-    with pytest.raises(InputError, match="fractions"):
+    with pytest.raises(InputError, match="follows equilibria"):
         sm.simulate(design, stops=[0.5])
+    with pytest.raises(InputError, match="follows equilibria"):
+        find_branches(design)
 
 
 def test_hashes_of_designs_without_motion_are_what_they_were() -> None:

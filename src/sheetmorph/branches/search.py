@@ -118,6 +118,7 @@ def find_branches(
 
 def _check_alone(design: Design) -> None:
     """Refuse paths that do not begin flat, and barriers that lead through the sheet."""
+    design.must_be_still("the search for branches")
     if design.gravity is not None or design.contact.table or design.contact.self_contact:
         raise InputError(
             "branches are those of a sheet without weight and contact",

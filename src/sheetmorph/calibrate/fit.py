@@ -140,6 +140,7 @@ def calibrate(
     options = options or CalibrateOptions()
     if not parameters or not (scans or curves):
         raise InputError("nothing to fit: give a parameter, and a scan or a curve")
+    design.must_be_still("a calibration")
     on_event(Started(f"calibrate {design.name}"))
     on_event(Progress(0.0, "the design as it is"))
     own = simulate(design)

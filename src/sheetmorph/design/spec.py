@@ -203,6 +203,24 @@ class Design:
         usual = LAMINATE_STEP if self.laminate else options.initial_step
         return max(options.min_step, min(usual, options.max_step))
 
+    def must_be_still(self, what: str) -> None:
+        """Refuse a dynamic design where equilibria are followed.
+
+        Args:
+            what: follows them, for people.
+
+        Raises:
+            InputError: `solver.kind` is "dynamic".
+        """
+        if self.solver.kind == "dynamic":
+            raise InputError(
+                f"{what} follows equilibria, and this design moves in time",
+                file=self.file,
+                key="solver.kind",
+                value="dynamic",
+                allowed="quasi_static",
+            )
+
     @property
     def outputs(self) -> sections.Outputs:
         """The table `outputs`."""

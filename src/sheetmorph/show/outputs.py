@@ -62,12 +62,8 @@ def run_design(
     """
     began = perf_counter() if started is None else started
     place = Path(folder)
-    if modes and design.solver.kind == "dynamic":
-        raise InputError(
-            "modes are those of equilibria; compute them with solver.kind = quasi_static",
-            key="--modes",
-            value=modes,
-        )
+    if modes:
+        design.must_be_still("--modes")
     journal = Journal.of_run(place, _outdated(place) if force else ())
     _guard(place, journal, resume, force)
     wanted = design.outputs

@@ -10,7 +10,6 @@ from typing import Any
 import numpy as np
 
 from sheetmorph import __version__
-from sheetmorph.core.errors import InputError
 from sheetmorph.core.events import Event, Listener, Notice, Progress, Started, StateReached, silent
 from sheetmorph.design.spec import Design
 from sheetmorph.geometry import surface
@@ -71,12 +70,7 @@ def simulate(
         from sheetmorph.study.motion import simulate_motion
 
         if stops:
-            raise InputError(
-                "a motion passes no given fractions of the actuation",
-                key="solver.kind",
-                value="dynamic",
-                allowed="quasi_static",
-            )
+            design.must_be_still("a run with stops")
         return simulate_motion(design, on_event=on_event, journal=journal, resume=resume, mesh=mesh)
     began = perf_counter()
     on_event(Started(design.name))

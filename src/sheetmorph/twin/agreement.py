@@ -122,6 +122,7 @@ def agree(design: Design, twin: Twin, on_event: Listener = silent) -> Agreement:
     Raises:
         InputError: the design and its mesh do not fit together.
     """
+    design.must_be_still("a finite-element twin")
     inner = np.unique(twin.ramp[(twin.ramp > 0.0) & (twin.ramp < 1.0)])
     began = process_time()
     result = simulate(design, stops=tuple(float(ramp) for ramp in inner), on_event=on_event)
