@@ -65,7 +65,7 @@ def write_energies(result: Result, path: Path) -> Path:
     end = f"{rest} at {told['time_s']:.3g} s"
     sheet.text(WIDTH - 24, sheet.height - 20, end, ha="right", va="top", fontsize=16)
     sheet.foot(
-        "kinetic + elastic = work by the actuation and by loads − damped − lost to the steps in time"
+        "kinetic + elastic = work by actuation and loads − damped − lost to the steps in time"
     )
     return sheet.save(path)
 

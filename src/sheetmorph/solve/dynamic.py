@@ -35,8 +35,9 @@ LOOK_EVERY = 5
 """Steps between two looks whether the sheet rests: each may cost a factorisation."""
 
 STEP_GAIN, GAIN = 1e-3, 0.05
-"""Energy that a step, and all together, may make out of nothing, over the largest so far: beyond
-it the step is tried again, shorter, and the motion is given up."""
+"""Energy that a step of the trapezoidal rule, and all together, may make out of nothing, over the
+largest so far: beyond it the step is tried again, shorter, and the motion is given up. A step of
+implicit Euler ends in a minimum that lies below its start, and cannot run away."""
 
 REMEDIES = {
     Status.COMPLETED: "",
@@ -183,6 +184,7 @@ def move(
     here = start
     deadline = perf_counter() + options.time_limit
     options = replace(options, newton=replace(options.newton, deadline=deadline))
+    runs_away = options.integrator is Integrator.TRAPEZOIDAL
     quiet = options.corners[-1] if options.corners else 0.0
     try:
         while here.time < options.end_time:
@@ -195,7 +197,7 @@ def move(
             account.enter(before, here)
             if on_moment is not None:
                 on_moment(before, here)
-            if account.made > GAIN * account.largest:
+            if runs_away and account.made > GAIN * account.largest:
                 gain = f"{account.made:.2g} J of {account.largest:.2g} J came from nothing"
                 return Motion(here, Status.ENERGY_GREW, gain)
             over = here.time >= options.end_time
@@ -234,7 +236,8 @@ def _step(
             factor, reason = _factor(error, options), f"an error of {error:.2g} m"
             if error <= options.step_error:
                 made, after = account.weigh(here, moment)
-                if made <= STEP_GAIN * max(account.largest, after, small):
+                allowed = STEP_GAIN * max(account.largest, after, small)
+                if made <= allowed or options.integrator is Integrator.IMPLICIT_EULER:
                     break
                 factor, reason = 0.5, f"{made:.2g} J out of nothing"
         on_event(TimeStepRejected(time, size, reason))
