@@ -11,13 +11,15 @@ from scipy.sparse import csr_array
 from sheetmorph.design.laminate import total_mass
 from sheetmorph.geometry import surface
 from sheetmorph.geometry.mesh import Floats, Ints, SheetMesh
-from sheetmorph.show.fields import pick_states
+from sheetmorph.show.fields import clock_of, pick_states
 
 if TYPE_CHECKING:
     from sheetmorph.study.result import Result
 
 MOST_STATES = 40
 """More states than this are thinned for the slider."""
+UNLOADING = 0.05
+"""Part of the slider on which the perturbation load is taken off, to that of the actuation."""
 ROBUST = 99.0
 """Percentile of the values at which a scale ends, so that a few corners do not take it all."""
 
@@ -60,20 +62,22 @@ def scene(result: Result, *, preview: bool) -> tuple[dict[str, Any], dict[str, A
         result: what was computed.
         preview: it is that of a coarse mesh, to be followed by a finer one.
     """
-    states = list(range(len(result.ramp)))
+    clock, load = clock_of(result)
+    states = list(range(len(clock)))
     if len(states) > MOST_STATES:
-        states = pick_states(result.ramp, result.load_fraction, MOST_STATES)
+        states = pick_states(clock, load, MOST_STATES)
     mesh = result.mesh
     fields = {name: values[states] for name, values in _fields(result).items()}
     head = {
         "preview": preview,
         "name": result.design.name,
         "fields": {name: _told(name, values) for name, values in fields.items()},
+        "time": None if result.motion is None else [float(t) for t in result.motion.time[states]],
         "actuation": [float(value) for value in result.actuation[states]],
         "ratio": [float(value) for value in result.aspect_ratio[states]],
         "numbers": numbers(result),
     }
-    progress = result.ramp[states] + 0.05 * (1.0 - result.load_fraction[states])
+    progress = clock[states] + UNLOADING * (load[0] - load[states])
     arrays = {
         "positions": 1e3 * result.positions[states],
         "triangles": mesh.triangles,

@@ -100,11 +100,10 @@ const middle = ([a, b]) => a.map((value, k) => (value + b[k]) / 2);
 function sizes() {
   const nodes = shown.nodes;
   let low = Infinity, high = -Infinity, best = -1, pair = [0, 0];
-  const rim = [...new Set(shown.arrays.lines)];
   for (let i = 2; i < nodes.length; i += 3) [low, high] = [Math.min(low, nodes[i]), Math.max(high, nodes[i])];
-  for (let a = 0; a < rim.length; a++) {
-    for (let b = a + 1; b < rim.length; b++) {
-      const [p, q] = [3 * rim[a], 3 * rim[b]];
+  const corners = hull(nodes);
+  for (const p of corners) {
+    for (const q of corners) {
       const far = (nodes[p] - nodes[q]) ** 2 + (nodes[p + 1] - nodes[q + 1]) ** 2;
       if (far > best) [best, pair] = [far, [p, q]];
     }
@@ -117,6 +116,21 @@ function sizes() {
     d: Math.sqrt(best), h: high - low, width: [start, end], height: [right, top],
     rungs: [[start, [nodes[p], nodes[p + 1], nodes[p + 2]]], [end, [nodes[q], nodes[q + 1], nodes[q + 2]]]].flat(),
   };
+}
+
+/** Places in `nodes` of the corners of the convex hull seen from above (monotone chain). */
+function hull(nodes) {
+  const all = Array.from({ length: nodes.length / 3 }, (_, k) => 3 * k).sort((a, b) => nodes[a] - nodes[b] || nodes[a + 1] - nodes[b + 1]);
+  const turn = (o, a, b) => (nodes[a] - nodes[o]) * (nodes[b + 1] - nodes[o + 1]) - (nodes[a + 1] - nodes[o + 1]) * (nodes[b] - nodes[o]);
+  const half = (order) => {
+    const chain = [];
+    for (const p of order) {
+      while (chain.length > 1 && turn(chain.at(-2), chain.at(-1), p) <= 0) chain.pop();
+      chain.push(p);
+    }
+    return chain.slice(0, -1);
+  };
+  return [...half(all), ...half(all.reverse())];
 }
 
 function label() {
@@ -139,8 +153,9 @@ function tell() {
   const now = (1 - share) * states[k] + share * states[Math.min(k + 1, states.length - 1)];
   const ratio = shown.head.ratio;
   const h = (1 - share) * ratio[k] + share * ratio[Math.min(k + 1, ratio.length - 1)];
-  const text = `ε ${digits(100 * now, 3)} % · h/d ${digits(h, 3)}`;
-  $("at").textContent = text;
+  const time = shown.head.time;
+  const t = time ? (1 - share) * time[k] + share * time[Math.min(k + 1, time.length - 1)] : 0;
+  $("at").textContent = `${time ? `${digits(1e3 * t, 3)} ms` : `ε ${digits(100 * now, 3)} %`} · h/d ${digits(h, 3)}`;
   $("scrub").setAttribute("aria-valuetext", `free strain ${digits(100 * now, 3)} percent, h over d ${digits(h, 3)}`);
 }
 
