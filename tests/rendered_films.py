@@ -22,7 +22,8 @@ class Oven:
 
     roll, elevation, azimuth in degrees; noise and backdrop in grey levels; blur in pixels;
     distance of the camera in widths of the sheet, 0 for a parallel view; thickness in metres;
-    ink keeps the thin dark lines with which stills draw the rim of a white sheet.
+    ink: the sheet with its two tones and a thin line along its rim, "dark" or "light"; without
+    it a pale or a black sheet whose lines are faint.
     """
 
     roll: float = 0.0
@@ -35,7 +36,7 @@ class Oven:
     distance: float = 0.0
     thickness: float = 0.4e-3
     seed: int = 1
-    ink: bool = False
+    ink: str = ""
 
 
 @dataclass(frozen=True, eq=False)
@@ -62,7 +63,9 @@ def film_of(result, oven: Oven = Oven(), frames: int = 8, size=SIZE) -> Filmed:
     light = Light(1.0, 0.0, 0.0, 0.0)
     rng = np.random.default_rng(oven.seed)
     job = _thick_job(base_job(result))
-    if not oven.ink:
+    if oven.ink == "light":
+        job = replace(job, textures=tuple(_light_lines(t) for t in job.textures))
+    elif not oven.ink:
         job = replace(job, textures=tuple(_plain(t, sum(oven.backdrop)) for t in job.textures))
     images = []
     for x in points:
@@ -84,6 +87,11 @@ def _plain(texture: np.ndarray, backdrop: int) -> np.ndarray:
     """A white sheet in a dark oven, a black one before a light backdrop; hardly any lines."""
     white = backdrop < 380
     return ((120 if white else 0) + (0.53 if white else 0.25) * texture).astype(np.uint8)
+
+
+def _light_lines(texture: np.ndarray) -> np.ndarray:
+    lines = texture.max(axis=2, keepdims=True) < 100
+    return np.where(lines, 255, texture).astype(np.uint8)
 
 
 def write_video(path: Path, images: list[np.ndarray], rate: float = 1.0) -> Path:

@@ -11,26 +11,31 @@ import sheetmorph as sm
 from rendered_films import Oven, film_of, write_series, write_video
 from sheetmorph.core.errors import InputError
 from sheetmorph.design.presets import preset_text
+from sheetmorph.measure.camera import Shapes, caps, shapes_of
 from sheetmorph.measure.film import FilmOptions, read_film
 from sheetmorph.measure.film_history import read_table
 from sheetmorph.measure.frames import open_film
-from sheetmorph.measure.side_view import Reference, tilt_shape
+from sheetmorph.measure.side_view import Reference
 from sheetmorph.measure.silhouette import MaskOptions
 
 SMALL = (400, 300)
 REAL = {"noise": 10.0, "blur": 2.0, "uneven": 40.0}
-LIGHT = {
-    "noise": 10.0,
-    "blur": 2.0,
-    "uneven": -25.0,
-    "backdrop": (215, 220, 225),
-    "thickness": 0.8e-3,
-}
+LIGHT = {"noise": 10.0, "blur": 2.0, "uneven": -25.0, "backdrop": (215, 220, 225), "ink": "dark"}
+TWO_TONE = {**REAL, "ink": "light"}
+OTHER = {"actuation.eps_pre": -0.5}
+NAMES = ("bowl", "canoe", "petals")
 
 
 @lru_cache
 def result_of(name: str):
     return sm.simulate(sm.Design.from_toml(preset_text(name)))
+
+
+@lru_cache
+def changed_bowl():
+    """The same drawing, shrunk less: it ends far from where the film does."""
+    text = preset_text("bowl")
+    return sm.simulate(sm.Design.from_toml(text).with_values(OTHER))
 
 
 def measured(result, oven: Oven, path, frames: int, **options):
@@ -39,28 +44,28 @@ def measured(result, oven: Oven, path, frames: int, **options):
     return filmed, read_film(open_film(film), FilmOptions(**options))
 
 
-def with_run(result, oven: Oven) -> dict:
-    """Options for a camera that looks down by an angle that nobody knows."""
+def with_shapes(result, oven: Oven, shapes: Shapes | None = None) -> dict:
+    """Options for a camera whose distance is known, and its tilt not if it has one."""
+    own = shapes_of(result.positions, result.mesh.triangles)
     return {
-        "elevation": None,
-        "shape": lambda angle: tilt_shape(result.positions, angle),
-        "depth": tilt_shape(result.positions, 0.0).depth,
+        "elevation": None if oven.elevation else 0.0,
+        "distance": oven.distance * own.flat_width,
+        "shapes": own if shapes is None else Shapes(shapes.positions, own.outline),
         "thickness": oven.thickness,
-        "flat_width": float(np.ptp(result.positions[0, :, 0])),
     }
 
 
-def assert_within_3_percent(filmed, film) -> None:
-    """3 % of h/d, or a pixel at each of the two edges where that is more.
-
-    Below h/d 0.05 5 px: what a blur of 2 px makes of the edge of a flat sheet of 2 to 4 px.
-    """
+def assert_within_3_percent(filmed, film, pixels: float = 1.0) -> None:
+    """3 % of h/d from h/d 0.05 on, or some pixels of h where that is more."""
     risen = filmed.ratio > 0.05
     pixel = filmed.metre_per_pixel / filmed.width
-    tolerance = np.where(risen, np.maximum(0.03 * filmed.ratio, 2 * pixel), 5 * pixel)
     assert film.good[risen].all()
-    error = abs(film.ratio - filmed.ratio)[film.good]
-    assert (error < tolerance[film.good]).all(), 100 * (film.ratio / filmed.ratio - 1)
+    error = (film.ratio - filmed.ratio)[risen]
+    tolerance = np.maximum(0.03 * filmed.ratio, pixels * pixel)[risen]
+    assert (abs(error) < tolerance).all(), (
+        100 * error / filmed.ratio[risen],
+        error / pixel[risen],
+    )
 
 
 def test_a_level_camera(tmp_path):
@@ -90,7 +95,7 @@ def test_a_level_camera(tmp_path):
 def test_a_tilted_camera(tmp_path):
     result = result_of("petals")
     oven = Oven(roll=-4.0, elevation=5.0, **REAL)
-    filmed, film = measured(result, oven, tmp_path, 5, **with_run(result, oven))
+    filmed, film = measured(result, oven, tmp_path, 5, **with_shapes(result, oven))
     assert_within_3_percent(filmed, film)
     assert np.degrees(film.elevation) == pytest.approx(5.0, abs=0.4)
     assert np.degrees(film.roll) == pytest.approx(-4.0, abs=0.2)
@@ -98,28 +103,91 @@ def test_a_tilted_camera(tmp_path):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", ["bowl", "canoe", "petals"])
+@pytest.mark.parametrize("name", NAMES)
+@pytest.mark.parametrize(
+    "oven",
+    [Oven(**REAL), Oven(roll=2.0, elevation=3.0, **REAL), Oven(distance=6.0, **REAL)],
+    ids=["level", "3°", "near"],
+)
+def test_a_pale_sheet_before_a_dark_backdrop(name, oven, tmp_path):
+    """Its rim is hardly lighter than the backdrop: 2 px of h are left to it."""
+    result = result_of(name)
+    filmed, film = measured(result, oven, tmp_path, 5, **with_shapes(result, oven))
+    assert_within_3_percent(filmed, film, 2.0)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", NAMES)
 @pytest.mark.parametrize(
     "oven",
     [
-        *(Oven(**REAL), Oven(roll=-5.0, **LIGHT), Oven(roll=2.0, elevation=3.0, **REAL)),
-        *(Oven(roll=5.0, elevation=5.0, **REAL), Oven(roll=-5.0, elevation=5.0, **LIGHT)),
+        *(Oven(roll=5.0, **LIGHT), Oven(roll=-5.0, elevation=5.0, **LIGHT)),
+        *(Oven(roll=5.0, elevation=10.0, **LIGHT), Oven(distance=6.0, **LIGHT)),
+        Oven(roll=-5.0, elevation=5.0, distance=6.0, **LIGHT),
     ],
-    ids=["level", "rolled, light", "3°", "5°", "5°, light"],
+    ids=["rolled", "5°", "10°", "near", "5°, near"],
 )
-def test_presets(name, oven, tmp_path):
+def test_two_tones_with_a_dark_line_before_a_light_backdrop(name, oven, tmp_path):
     result = result_of(name)
-    options = with_run(result, oven) if oven.elevation else {}
-    filmed, film = measured(result, oven, tmp_path, 5, **options)
+    filmed, film = measured(result, oven, tmp_path, 5, **with_shapes(result, oven))
     assert_within_3_percent(filmed, film)
 
 
 @pytest.mark.slow
-def test_a_dark_line_along_the_rim_widens_the_sheet_by_the_blur(tmp_path):
-    """An edge is put at half of the contrast beside it; beside a blurred line that is outside."""
-    filmed, film = measured(result_of("bowl"), Oven(roll=-5.0, ink=True, **LIGHT), tmp_path, 5)
-    excess = film.height - filmed.height / filmed.metre_per_pixel
-    assert (excess[1:] > 1.5).all() and (excess[1:] < 3.0).all(), excess
+@pytest.mark.parametrize(
+    ("name", "oven"),
+    [
+        ("bowl", Oven(roll=5.0, elevation=10.0, **TWO_TONE)),
+        ("canoe", Oven(roll=2.0, elevation=3.0, **TWO_TONE)),
+        ("petals", Oven(roll=5.0, elevation=10.0, distance=6.0, **TWO_TONE)),
+    ],
+)
+def test_two_tones_with_a_light_line_before_a_dark_backdrop(name, oven, tmp_path):
+    result = result_of(name)
+    filmed, film = measured(result, oven, tmp_path, 5, **with_shapes(result, oven))
+    assert_within_3_percent(filmed, film)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("name", "oven"),
+    [
+        ("canoe", Oven(roll=5.0, elevation=10.0, **REAL)),
+        ("bowl", Oven(roll=-5.0, elevation=5.0, **TWO_TONE)),
+    ],
+)
+def test_what_hardly_differs_from_the_backdrop_is_measured_worse(name, oven, tmp_path):
+    """Tips with a rim as dark as the backdrop, a stripe of its colour along the lowest edge."""
+    result = result_of(name)
+    filmed, film = measured(result, oven, tmp_path, 5, **with_shapes(result, oven))
+    error = film.ratio[1:] / filmed.ratio[1:] - 1.0
+    assert (abs(error) < 0.07).all(), error
+
+
+@pytest.mark.slow
+def test_other_shapes_correct_a_film_as_well_and_pull_it_nowhere(tmp_path):
+    """A sheet that closes to h/d 0.46, corrected by one that ends at h/d 0.7, and by caps.
+
+    By other shapes the correction is wrong; by a run of the same drawing with other layers that
+    is hardly so, though its h/d at the same load is another.
+    """
+    bowl = result_of("bowl")
+    other = changed_bowl()
+    oven = Oven(roll=-5.0, elevation=5.0, distance=6.0, **LIGHT)
+    options = with_shapes(bowl, oven)
+    filmed, own = measured(bowl, oven, tmp_path, 5, **options)
+    film = open_film(tmp_path / "film.mp4")
+    true = filmed.ratio[1:]
+    assert abs(other.aspect_ratio[-1] / bowl.aspect_ratio[-1] - 1.0) > 0.15
+    shapes = shapes_of(other.positions, other.mesh.triangles)
+    alike = read_film(film, FilmOptions(**{**options, "shapes": shapes}))
+    assert_within_3_percent(filmed, alike, 2.0)
+    flat = options["shapes"]
+    stretched = caps(flat.flat_width, flat.flat_depth)
+    capped = read_film(film, FilmOptions(**with_shapes(bowl, oven, stretched)))
+    assert (abs(capped.ratio[1:] / true - 1.0) < 0.06).all(), capped.ratio[1:] / true
+    # Not corrected at all: what is at stake.
+    assert (own.seen[1:] / true > 1.07).all()
 
 
 @pytest.mark.slow

@@ -10,63 +10,11 @@ from sheetmorph.geometry.surface import aspect_ratio, in_plane_width, side_view
 from sheetmorph.measure.side_view import (
     Reference,
     angle_of,
-    cap_ratio,
-    elevation_of,
     extents,
     jumps,
     level_of,
-    tilt_shape,
+    place_of,
 )
-
-
-def cap(ratio: float, count: int = 400) -> np.ndarray:
-    """Points of a spherical cap on a rim of diameter 1, bottom at z = 0, shape (N, 3)."""
-    radius = (0.25 + ratio**2) / (2 * ratio)
-    polar = np.linspace(0.0, np.arccos(1.0 - ratio / radius), count)[:, None]
-    turn = np.linspace(0.0, 2 * np.pi, count)[None, :]
-    x, y = radius * np.sin(polar) * np.cos(turn), radius * np.sin(polar) * np.sin(turn)
-    return np.stack([x, y, radius * (1 - np.cos(polar)) + 0 * turn], axis=-1).reshape(-1, 3)
-
-
-@pytest.mark.parametrize("ratio", [0.1, 0.25, 0.5])
-@pytest.mark.parametrize("degrees", [2.0, 5.0, 10.0])
-@pytest.mark.parametrize("sign", [1, -1])
-def test_a_cap_is_found_again_from_its_tilted_view(ratio, degrees, sign):
-    elevation = np.radians(degrees)
-    width, height = side_view(cap(ratio), 0.0, sign * elevation)  # from above or from below
-    assert height / width > 1.02 * ratio
-    assert cap_ratio(height / width, elevation) == pytest.approx(ratio, rel=2e-3)
-
-
-def test_a_flat_disc_seen_from_above_has_no_height():
-    elevation = np.radians(5.0)
-    assert cap_ratio(np.sin(elevation), elevation) == 0.0
-    assert cap_ratio(0.5 * np.sin(elevation), elevation) == 0.0
-    assert np.isnan(cap_ratio(np.nan, elevation))
-
-
-def test_the_tilt_of_known_shapes_is_taken_off_exactly():
-    states = np.array([cap(0.3) * [1, 1, t] for t in (0.0, 0.2, 0.5, 1.0, 1.2)])
-    shape = tilt_shape(states, 0.1)
-    width, height = side_view(states, 0.0, 0.1).T
-    true = side_view(states)
-    np.testing.assert_allclose(shape.ratio(height / width)[2:], (true[:, 1] / true[:, 0])[2:])
-    assert shape.ratio(height[0] / width[0]) == pytest.approx(0.0, abs=1e-9)
-    assert shape.depth == pytest.approx(1.0, rel=1e-3)
-    beyond = height[-1] / width[-1] + 0.1
-    assert shape.ratio(beyond) == pytest.approx(true[-1, 1] / true[-1, 0] + 0.1)
-
-
-@pytest.mark.parametrize("degrees", [0.0, 1.0, 6.0, 12.0])
-def test_the_elevation_comes_from_a_flat_sheet(degrees):
-    angle, depth, thickness = np.radians(degrees), 0.7, 0.01
-    ratio = depth * np.sin(angle) + thickness * np.cos(angle)
-    assert elevation_of(ratio, depth, thickness) == pytest.approx(angle, abs=1e-12)
-
-
-def test_a_sheet_that_is_not_flat_gives_no_elevation():
-    with pytest.raises(InputError, match="--tilt"):
-        elevation_of(0.6)
 
 
 def ellipse(long: float, short: float, angle: float) -> np.ndarray:
@@ -82,7 +30,14 @@ def test_the_level_is_the_long_axis_of_a_flat_outline(degrees, short):
     outline = ellipse(200.0, short, np.radians(degrees))
     assert np.degrees(level_of(outline)) == pytest.approx(degrees, abs=0.01)
     width, height = extents(outline, np.radians(degrees))
-    assert (width, height) == (pytest.approx(401.0, abs=0.01), pytest.approx(2 * short + 1))
+    assert (width, height) == (pytest.approx(400.0, abs=0.01), pytest.approx(2 * short))
+    assert extents(outline, np.radians(degrees), 1.0)[0] == pytest.approx(401.0, abs=0.01)
+
+
+def test_the_place_in_the_picture_is_along_and_across_the_level():
+    outline = ellipse(50.0, 20.0, np.radians(90.0))
+    assert place_of(outline, 0.0, 501, 301) == pytest.approx((50.0, -50.0), abs=0.01)
+    assert place_of(outline, np.radians(90.0), 501, 301) == pytest.approx((50.0, 50.0), abs=0.01)
 
 
 def test_a_tall_outline_has_no_level():

@@ -14,6 +14,9 @@ if TYPE_CHECKING:
     from sheetmorph.measure.side_view import Reference
     from sheetmorph.study.result import Result
 
+NEAREST = 2.0
+"""Distance over width of the sheet that a camera needs."""
+
 
 def film_options(results: Sequence[Result], azimuth: float, given: dict[str, Any]) -> FilmOptions:
     """How films are measured.
@@ -28,9 +31,8 @@ def film_options(results: Sequence[Result], azimuth: float, given: dict[str, Any
     """
     import numpy as np
 
-    from sheetmorph.geometry.surface import in_plane_width
+    from sheetmorph.measure.camera import Shapes, caps, shapes_of
     from sheetmorph.measure.film import FilmOptions
-    from sheetmorph.measure.side_view import tilt_shape
     from sheetmorph.measure.silhouette import MaskOptions
 
     region = _numbers(given["region"], "--region")
@@ -46,19 +48,28 @@ def film_options(results: Sequence[Result], azimuth: float, given: dict[str, Any
     kind = given["tilt_shape"] or ("run" if results else "cap")
     if kind == "run" and not results:
         raise InputError("needs a RUN", key="--tilt-shape", value=kind, allowed="cap, or a RUN")
-    shape, depth, flat_width = None, 1.0, None
-    if results:
-        positions = results[0].positions
-        depth = tilt_shape(positions, 0.0, azimuth).depth
-        flat_width = float(in_plane_width(positions[0], "side", azimuth))
-        if kind == "run":
-            shape = lambda angle: tilt_shape(positions, angle, azimuth)  # noqa: E731
     reference = _reference(given["reference"])
-    thickness = 0.0
-    if given["thickness"] is not None:
-        thickness = quantity(given["thickness"], "length", "--thickness")
-        if flat_width is None and reference is None:
-            raise InputError("needs a RUN or --reference", key="--thickness")
+    shapes = None
+    if results:
+        shapes = shapes_of(results[0].positions, results[0].mesh.triangles, azimuth)
+        if kind == "cap":
+            stretched = caps(shapes.flat_width, shapes.flat_depth)
+            shapes = Shapes(stretched.positions, shapes.outline)
+    thickness, distance = (
+        0.0 if given[name] is None else quantity(given[name], "length", f"--{name}")
+        for name in ("thickness", "distance")
+    )
+    for name in ("thickness", "distance"):
+        if given[name] is not None and shapes is None and reference is None:
+            raise InputError("needs a RUN or --reference", key=f"--{name}")
+    if shapes is not None and 0.0 < distance < NEAREST * shapes.flat_width:
+        raise InputError(
+            "the camera is too near for its views to be corrected",
+            key="--distance",
+            value=given["distance"],
+            allowed=f"{NEAREST * 1e3 * shapes.flat_width:.0f} mm and more, twice the width of "
+            "the sheet",
+        )
     return FilmOptions(
         mask=MaskOptions(
             region=None if region is None else tuple(round(v) for v in region),  # type: ignore[arg-type]
@@ -71,10 +82,9 @@ def film_options(results: Sequence[Result], azimuth: float, given: dict[str, Any
         reference=reference,
         roll=_roll(given["roll"]),
         elevation=elevation,
-        shape=shape,
-        depth=depth,
+        distance=distance,
+        shapes=shapes,
         thickness=thickness,
-        flat_width=flat_width,
     )
 
 

@@ -97,9 +97,15 @@ PLOT, RUNS, MEANS = "history.png", "history.csv", "films.csv"
     help="Of the flat sheet, for --tilt auto; needs a RUN or --reference.",
 )
 @click.option(
+    "--distance",
+    metavar="LENGTH",
+    help="From the lens to the sheet, to correct the perspective; needs a RUN or --reference. "
+    "Default: far away.",
+)
+@click.option(
     "--tilt-shape",
     type=click.Choice(("run", "cap")),
-    help="Shape with which the tilt is corrected: the first RUN, or a spherical cap.",
+    help="Shape with which tilt and perspective are corrected: the first RUN, or a spherical cap.",
 )
 @click.option(
     "--mask-pictures/--no-mask-pictures",
@@ -124,8 +130,9 @@ def history(
     table and the frames with the outline found in them: films/NAME.csv and NAME.png. Look at
     those frames before you trust the numbers. h/d needs no --reference; lengths in mm do.
 
-    A camera that looks down sees the far rim too high. How much too high depends on the shape,
-    which a side view does not show: --tilt takes it from the run, or from a spherical cap.
+    A camera that looks down sees the far rim too high, one that is near sees near parts too
+    large. By how much depends on the shape, which a side view does not show: --tilt and
+    --distance take it from the run, or from a spherical cap.
 
     \b
     Examples:

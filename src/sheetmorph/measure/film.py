@@ -2,36 +2,30 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass, field
+from collections.abc import Iterator
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
 from sheetmorph.core.errors import InputError
 from sheetmorph.core.events import Listener, Progress, silent
 from sheetmorph.geometry.mesh import Floats
+from sheetmorph.measure.camera import Shapes, SideCamera, caps, corrected, elevation_of
 from sheetmorph.measure.film_history import FilmHistory, Shot
 from sheetmorph.measure.frames import Film, Image, opencv, read_frames
-from sheetmorph.measure.side_view import (
-    Reference,
-    TiltShape,
-    cap_ratio,
-    elevation_of,
-    extents,
-    jumps,
-    level_of,
-)
+from sheetmorph.measure.side_view import Reference, extents, jumps, level_of, place_of
 from sheetmorph.measure.silhouette import (
     MaskOptions,
     Silhouette,
+    find_blur,
     find_silhouette,
     find_threshold,
     region_of,
 )
 
 MAX_FRAMES = 5000
-SAMPLES = 12
-"""Frames from which the threshold is found."""
+SAMPLES, SHARPNESS = 12, 4
+"""Frames from which the threshold and the blur are found."""
 SHOTS = 24
 """Frames kept as pictures, at least, of a long film."""
 SHOT_SIDE = 320
@@ -50,11 +44,10 @@ class FilmOptions:
             axis of the sheet in the first frame, if it lies flat there.
         elevation: by how much the camera looks down [rad]; None finds it from the first
             frame, in which the sheet must lie flat.
-        shape: from the elevation, what that camera sees of known shapes; None takes
-            spherical caps.
-        depth: depth over width of the flat sheet as the camera sees it, 1 for a round one.
+        distance: from the camera to the sheet [m]; 0 takes the views for parallel.
+        shapes: by which a camera that looks down or is near is corrected, with the rim of the
+            flat sheet; None takes spherical caps on a round one.
         thickness: of the flat sheet [m]; the elevation of the camera is found with it.
-        flat_width: width of the flat sheet as the camera sees it [m]; by the reference if None.
     """
 
     mask: MaskOptions = field(default_factory=MaskOptions)
@@ -64,10 +57,9 @@ class FilmOptions:
     reference: Reference | None = None
     roll: float | None = None
     elevation: float | None = 0.0
-    shape: Callable[[float], TiltShape] | None = None
-    depth: float = 1.0
+    distance: float = 0.0
+    shapes: Shapes | None = None
     thickness: float = 0.0
-    flat_width: float | None = None
 
 
 def read_film(film: Film, options: FilmOptions, on_event: Listener = silent) -> FilmHistory:
@@ -82,7 +74,8 @@ def read_film(film: Film, options: FilmOptions, on_event: Listener = silent) -> 
         InputError: it cannot be read, the sheet is found in no frame, or an option does not
             fit its pictures.
     """
-    threshold = _threshold(film, options)
+    threshold = find_threshold(_samples(film, options, SAMPLES), options.mask)
+    blur = find_blur(_samples(film, options, SHARPNESS), threshold, options.mask)
     found: list[Silhouette] = []
     numbers, times = [], []
     shots: list[Shot] = []
@@ -97,7 +90,7 @@ def read_film(film: Film, options: FilmOptions, on_event: Listener = silent) -> 
                 allowed=f"up to {MAX_FRAMES} frames; take a longer interval or a part of the film",
             )
         size = (frame.image.shape[1], frame.image.shape[0])
-        silhouette = find_silhouette(frame.image, threshold, options.mask)
+        silhouette = find_silhouette(frame.image, threshold, options.mask, blur)
         if len(found) % every == 0:
             shots.append(_shot(len(found), frame.image, silhouette, options.mask))
             if len(shots) > 2 * SHOTS:
@@ -116,16 +109,23 @@ def read_film(film: Film, options: FilmOptions, on_event: Listener = silent) -> 
         )
     notes: list[str] = []
     roll = _roll(first, options, notes)
-    sizes = np.array([extents(s.outline, roll) if s.found else (np.nan, np.nan) for s in found])
-    width, seen_height = sizes[:, 0], sizes[:, 1]
-    seen = seen_height / width
+    none = (np.nan, np.nan)
+    sizes = np.array([extents(s.outline, roll, s.grain) if s.found else none for s in found])
+    places = np.array([place_of(s.outline, roll, *size) if s.found else none for s in found])
+    seen_width, seen_height = sizes.T
+    seen = seen_height / seen_width
     scale = None if options.reference is None else options.reference.metre_per_pixel(*size)
-    begin = int(np.flatnonzero(np.isfinite(seen))[0])
-    flat = options.flat_width or (0.0 if scale is None else scale * float(width[begin]))
-    thickness = options.thickness / flat if flat else 0.0
-    elevation = _elevation(float(seen[begin]), thickness, options, notes if begin == 0 else [])
-    ratio, height = _corrected(seen, seen_height, width, elevation, options)
-    jumping = jumps(seen_height, width)
+    begin = found.index(first)
+    shapes, per_pixel = _shapes(scale, float(seen_width[begin]), options)
+    places *= per_pixel
+    camera = _camera(
+        *(first, seen_width[begin], seen[begin], places[begin]),
+        *(shapes, options, notes if begin == 0 else []),
+    )
+    elevation = camera.elevation
+    ratio, width = corrected(seen, seen_width, places, shapes, camera)
+    height = ratio * width
+    jumping = jumps(seen_height, seen_width)
     flags = tuple(
         s.flags
         + (("jump",) if jumping[k] else ())
@@ -155,14 +155,12 @@ def read_film(film: Film, options: FilmOptions, on_event: Listener = silent) -> 
     )
 
 
-def _threshold(film: Film, options: FilmOptions) -> float:
-    if options.mask.threshold is not None:
-        return options.mask.threshold
+def _samples(film: Film, options: FilmOptions, count: int) -> Iterator[Image]:
+    """Some pictures of the film, one at a time."""
     length = (film.count / film.rate if options.end is None else options.end) - options.start
-    step = max(options.interval, length / SAMPLES if length > 0 else 1.0)
+    step = max(options.interval, length / count if length > 0 else 1.0)
     frames = read_frames(film, step, options.start, options.end)
-    images = (frame.image for frame, _ in zip(frames, range(2 * SAMPLES), strict=False))
-    return find_threshold(images, options.mask)
+    return (frame.image for frame, _ in zip(frames, range(2 * count), strict=False))
 
 
 def _roll(first: Silhouette, options: FilmOptions, notes: list[str]) -> float:
@@ -178,29 +176,46 @@ def _roll(first: Silhouette, options: FilmOptions, notes: list[str]) -> float:
     return level
 
 
-def _elevation(first: float, thickness: float, options: FilmOptions, notes: list[str]) -> float:
+def _shapes(scale: float | None, width: float, options: FilmOptions) -> tuple[Shapes, float]:
+    """The shapes by which views are corrected, and the scale [m/px].
+
+    Args:
+        scale: by the known length [m/px].
+        width: of the sheet in the first frame [px].
+    """
+    shapes = options.shapes
+    if shapes is None and scale is None:
+        if options.distance > 0.0:
+            raise InputError(
+                "needs a RUN, which knows the size of the sheet, or --reference", key="--distance"
+            )
+        return caps(), 1.0 / width
+    if shapes is None:
+        return caps(float(scale) * width), float(scale)  # type: ignore[arg-type]
+    return shapes, shapes.flat_width / width if scale is None else scale
+
+
+def _camera(
+    first: Silhouette,
+    width: float,
+    seen: float,
+    place: Floats,
+    shapes: Shapes,
+    options: FilmOptions,
+    notes: list[str],
+) -> SideCamera:
+    """The camera by its first frame, with the sheet in it that is seen this wide [px] and high."""
+    camera = SideCamera(0.0, options.distance, (float(place[0]), float(place[1])))
     if options.elevation is None:
-        return elevation_of(first, options.depth, thickness)
-    if options.elevation == 0.0 and 0.05 < first / options.depth < 0.3:
-        angle = np.degrees(np.arcsin(first / options.depth))
+        found = elevation_of(first.area, width, shapes, camera, options.thickness)
+        return replace(camera, elevation=found)
+    ratio = seen / shapes.flat_depth
+    if options.elevation == 0.0 and 0.05 < ratio < 0.3:
         notes.append(
-            f"the first frame shows h/d {first:.3f}; if the sheet lies flat there, the camera "
-            f"looks down by {angle:.1f}°: then add --tilt auto"
+            f"the first frame shows h/d {seen:.3f}; if the sheet lies flat there, the camera "
+            f"looks down by {np.degrees(np.arcsin(ratio)):.1f}°: then add --tilt auto"
         )
-    return options.elevation
-
-
-def _corrected(
-    seen: Floats, seen_height: Floats, width: Floats, elevation: float, options: FilmOptions
-) -> tuple[Floats, Floats]:
-    """h/d and h [px] of a level view."""
-    if elevation == 0.0:
-        return seen, seen_height
-    if options.shape is None:
-        ratio = cap_ratio(seen, elevation)
-    else:
-        ratio = options.shape(elevation).ratio(seen)
-    return ratio, ratio * width
+    return replace(camera, elevation=options.elevation)
 
 
 def _shot(row: int, image: Image, silhouette: Silhouette, mask: MaskOptions) -> Shot:

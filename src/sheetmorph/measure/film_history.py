@@ -19,7 +19,10 @@ COLUMNS = (
     *("frame", "time_s", "h_over_d", "h_over_d_seen", "h_mm", "d_mm", "h_px", "d_px"),
     *("area_px", "flags"),
 )
-DOUBTFUL = ("nothing found", "the sheet fills the region", "jump", "touches the edge of the region")
+DOUBTFUL = (
+    *("nothing found", "in pieces", "the sheet fills the region", "jump"),
+    "touches the edge of the region",
+)
 """Flags of frames that are left out of means and plots.
 
 "nearly flat" is none of them: it says that a camera that looks down by α cannot tell h/d below
@@ -50,10 +53,10 @@ class FilmHistory:
         name: of the film.
         frame: numbers of the frames, shape (F,).
         time: [s], shape (F,).
-        ratio: h/d, corrected for a camera that looks down, NaN where nothing was found, (F,).
+        ratio: h/d of a level view from afar, NaN where nothing was found, (F,).
         seen: h/d as it appears in the picture, (F,).
-        height, width: h, corrected, and d [px], (F,).
-        area: pixels in the outline, (F,).
+        height, width: h and d, corrected [px], (F,).
+        area: in the outline [px²], (F,).
         flags: what makes a frame doubtful, F tuples.
         metre_per_pixel: the scale, None without a known length.
         roll, elevation: of the camera [rad].

@@ -1,15 +1,14 @@
-"""From an outline seen from the side to h and d: scale, level, and a camera that looks down."""
+"""From an outline seen from the side to h and d: scale, level, extents."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
 from sheetmorph.core.errors import InputError
 from sheetmorph.geometry.mesh import Floats
-from sheetmorph.geometry.surface import side_view
 
 Line = tuple[float, float, float, float]
 
@@ -61,66 +60,6 @@ class Reference:
         return self.length / pixels
 
 
-@dataclass(frozen=True, eq=False)
-class TiltShape:
-    """What a camera that looks down sees of a known sequence of shapes.
-
-    A side view from above shows the far rim higher and the near rim lower than they are: the
-    height seen is h·cos α + e·sin α, where e is the depth between the highest and the lowest
-    point seen. A side view cannot show e; here it is taken from shapes that resemble the sheet.
-
-    Attributes:
-        seen: height over width in the picture, rising, shape (S,).
-        true: height over width of the shape, shape (S,).
-        depth: depth over width of the flat sheet.
-    """
-
-    seen: Floats
-    true: Floats
-    depth: float
-
-    def ratio(self, seen: ArrayLike) -> Floats:
-        """True height over width of what is seen; the correction of the last shape beyond it."""
-        value = np.asarray(seen, dtype=np.float64)
-        return np.maximum(value - np.interp(value, self.seen, self.seen - self.true), 0.0)
-
-
-def tilt_shape(positions: Floats, elevation: float, azimuth: float = 0.0) -> TiltShape:
-    """What a camera sees of the states of a run.
-
-    Args:
-        positions: node positions of every state [m], shape (S, V, 3), the first one flat.
-        elevation: by how much the camera looks down [rad].
-        azimuth: see `geometry.surface.side_view` [rad].
-    """
-    tilted, level = side_view(positions, azimuth, elevation), side_view(positions, azimuth)
-    depth = side_view(positions[0], azimuth + 0.5 * np.pi)[0] / level[0, 0]
-    seen = np.maximum.accumulate(tilted[:, 1] / tilted[:, 0])
-    once = np.concatenate([[True], np.diff(seen) > 1e-9])
-    return TiltShape(seen[once], (level[:, 1] / level[:, 0])[once], float(depth))
-
-
-def cap_ratio(seen: ArrayLike, elevation: float) -> Floats:
-    """Height over width of a spherical cap from its height over width seen from above.
-
-    For a cap of height h on a rim of diameter d and radius R = (d²/4 + h²)/2h, the height seen
-    is R(1 − cos α) + h cos α + (d/2) sin α: far rim above, the sphere below. Solved for h. The
-    same holds for a dome that lies on its rim.
-
-    Returns:
-        h/d, shape (...); 0 where no more is seen than a flat disc shows, sin α. Such a cap may
-        have any h/d up to tan(α/2)/2.
-    """
-    value = np.asarray(seen, dtype=np.float64)
-    sine, cosine = np.sin(elevation), np.cos(elevation)
-    a = 0.5 * (1.0 + cosine)
-    b = 0.5 * sine - value
-    c = 0.125 * (1.0 - cosine)
-    with np.errstate(invalid="ignore"):
-        ratio = (-b + np.sqrt(np.maximum(b * b - 4.0 * a * c, 0.0))) / (2.0 * a)
-        return np.asarray(np.where(value <= sine * (1.0 + 1e-9), 0.0 * value, ratio))
-
-
 def level_of(outline: Floats) -> float | None:
     """Angle of the long axis of a flat outline in the picture [rad], None where it is not flat.
 
@@ -163,40 +102,29 @@ def angle_of(line: Line) -> float:
     return float(np.arctan2(sign * (y1 - y0), sign * (x1 - x0)))
 
 
-def extents(outline: Floats, roll: float) -> tuple[float, float]:
+def extents(outline: Floats, roll: float, grain: float = 0.0) -> tuple[float, float]:
     """Width along the level direction and height across it [px].
 
     Args:
-        outline: centres of pixels, shape (N, 2).
+        outline: shape (N, 2).
         roll: angle of the level direction in the picture [rad].
+        grain: see `silhouette.Silhouette` [px].
     """
     along = outline @ [np.cos(roll), np.sin(roll)]
     across = outline @ [-np.sin(roll), np.cos(roll)]
-    return float(np.ptp(along)) + 1.0, float(np.ptp(across)) + 1.0  # a pixel is 1 px wide
+    return float(np.ptp(along)) + grain, float(np.ptp(across)) + grain
 
 
-def elevation_of(ratio: float, depth: float = 1.0, thickness: float = 0.0) -> float:
-    """By how much the camera looks down [rad], from a flat sheet's height over width.
+def place_of(outline: Floats, roll: float, columns: int, rows: int) -> tuple[float, float]:
+    """Where the middle of an outline lies from the middle of the picture [px].
 
-    Args:
-        ratio: height over width seen of the flat sheet, sin α · depth + cos α · thickness.
-        depth: its depth over its width; 1 for a round one.
-        thickness: its thickness over its width.
-
-    Raises:
-        InputError: the sheet is not flat, or seen at more than 14°.
+    Returns:
+        Along the level direction to the right, and across it upward.
     """
-    total = float(np.hypot(depth, thickness))
-    sine = np.sin(np.arcsin(min(ratio / total, 1.0)) - np.arctan2(thickness, depth))
-    if sine >= FLAT:
-        raise InputError(
-            "the first frame does not show a flat sheet from the side, so the tilt of the camera "
-            "cannot be found",
-            key="--tilt",
-            value=f"h/d {ratio:.3f}",
-            allowed="degrees from 0 to 30, or another --start",
-        )
-    return float(np.arcsin(max(sine, 0.0)))
+    away = outline - [0.5 * (columns - 1), 0.5 * (rows - 1)]
+    along = away @ [np.cos(roll), np.sin(roll)]
+    across = away @ [-np.sin(roll), np.cos(roll)]
+    return 0.5 * float(along.max() + along.min()), -0.5 * float(across.max() + across.min())
 
 
 def jumps(height: Floats, width: Floats) -> NDArray[np.bool_]:

@@ -1,4 +1,4 @@
-"""The sheet in a picture: background taken off, threshold, largest piece, its outline."""
+"""The sheet in a picture: background taken off, threshold, largest piece, its edge."""
 
 from __future__ import annotations
 
@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from sheetmorph.core.errors import InputError
 from sheetmorph.geometry.mesh import Floats
+from sheetmorph.measure.edges import best_blur, blur_of, enclosed, refined
 from sheetmorph.measure.frames import Image, opencv
 
 Background = Literal["auto", "light", "dark"]
@@ -22,8 +23,18 @@ LEAST_CONTRAST = 10.0
 """Grey levels of 255 by which a sheet must differ from its background."""
 LARGEST, SMALLEST = 0.9, 2e-5
 """Shares of the region that a sheet may cover."""
+SPECK = 12
+"""Pixels of the smallest piece that counts."""
+LEAST_SHARE = 0.5
+"""Share that the largest piece has of all that stands out; less is a sheet in pieces."""
 EDGE_REACH = 4
 """Pixels from an edge within which the full contrast of the sheet is looked for."""
+EDGE_SHARE = 0.35
+"""Share of that contrast at which a first outline is drawn."""
+HAIR = 7
+"""Pixels up to which what sticks out of the sheet is a hair, blurred as pictures are here."""
+SMOOTHING = 1.0, 1.5
+"""Blur of the pictures whose edges are measured, and of those whose sheet is found [px]."""
 
 
 @dataclass(frozen=True)
@@ -48,15 +59,18 @@ class Silhouette:
     """What was found in a picture.
 
     Attributes:
-        outline: the pixels along the outer rim, x and y from the upper left corner of the
-            picture [px], shape (N, 2); empty where nothing was found.
-        area: pixels inside the outline.
+        outline: the edge of the sheet, x and y from the centre of the upper left pixel [px],
+            shape (N, 2); empty where nothing was found.
+        area: inside the outline [px²].
         flags: what makes it doubtful, empty when all is well.
+        grain: by how much the sheet is wider and higher than the outline [px]: 1 for an outline
+            of pixels, whose centres lie half a pixel inside, 0 for one of edges.
     """
 
     outline: Floats
     area: float
     flags: tuple[str, ...]
+    grain: float = 0.0
 
     @property
     def found(self) -> bool:
@@ -87,9 +101,9 @@ def region_of(image: Image, region: Box | None) -> Box:
 def find_threshold(images: Iterable[Image], options: MaskOptions) -> float:
     """One threshold for a whole film [grey levels].
 
-    Half of Otsu's threshold between background and sheet over all pictures, and above the
-    noise of the background. All pictures count at once, because a flat sheet seen from its edge
-    covers too few pixels for a histogram of its own.
+    A quarter of Otsu's threshold between background and sheet over all pictures, and above the
+    noise of the background: low, because edges are found afterwards. All pictures count at once,
+    because a flat sheet seen from its edge covers too few pixels for a histogram of its own.
 
     Args:
         images: some pictures of the film.
@@ -105,44 +119,67 @@ def find_threshold(images: Iterable[Image], options: MaskOptions) -> float:
         noises.append(_noise_limit(contrast))
     together = np.concatenate(samples)
     otsu, _ = cv2.threshold(together[None, :], 0, 255, cv2.THRESH_BINARY + cv2.THRESH_OTSU)
-    return float(max(0.5 * otsu, float(np.median(noises[1:])), LEAST_CONTRAST))
+    return float(max(0.25 * otsu, float(np.median(noises[1:])), LEAST_CONTRAST))
 
 
-def find_silhouette(image: Image, threshold: float, options: MaskOptions) -> Silhouette:
+def find_blur(images: Iterable[Image], threshold: float, options: MaskOptions) -> float | None:
+    """The blur of a film's edges [px], for `find_silhouette`.
+
+    Args:
+        images: some pictures of the film.
+        threshold: see `find_threshold` [grey levels].
+        options: how to look at them.
+
+    Returns:
+        None where the user gave the threshold, or where no picture shows the sheet.
+    """
+    if options.threshold is not None:
+        return None
+    misfits = []
+    for image in images:
+        difference = _difference(image, options)
+        piece, _ = _piece(difference, threshold, options)
+        if piece is not None:
+            misfits.append(blur_of(difference, _outline(piece)))
+    return best_blur(np.array(misfits)) if misfits else None
+
+
+def find_silhouette(
+    image: Image, threshold: float, options: MaskOptions, blur: float | None = None
+) -> Silhouette:
     """Find the sheet in a picture.
 
-    The mask is what differs from the background by more than the threshold. Unless the user
-    gave that threshold, an edge is then put where the contrast falls to half of what it is
-    beside it, which does not depend on how sharp the picture is. The largest piece is kept,
-    after an opening that takes away hairs.
+    The mask is what differs from the background by more than the threshold, its largest piece,
+    after an opening that takes away hairs. Unless the user gave that threshold, its outline is
+    then moved to the edge of the sheet, see `edges.refined`.
 
     Args:
         image: blue, green, red, shape (rows, columns, 3).
         threshold: see `find_threshold` [grey levels].
         options: where and how to look.
+        blur: see `find_blur`; that of this picture alone by default [px].
     """
-    cv2 = opencv()
     x0, y0, x1, y1 = region_of(image, options.region)
-    contrast = contrast_of(image, options)
-    mask = (contrast > threshold).astype(np.uint8)
-    if options.threshold is None:
-        kernel = cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (2 * EDGE_REACH + 1,) * 2)
-        mask &= (contrast >= 0.5 * cv2.dilate(contrast, kernel)).astype(np.uint8)
-        mask = cv2.morphologyEx(mask, cv2.MORPH_CLOSE, cv2.getStructuringElement(0, (3, 3)))
-    piece = _largest(cv2, mask)
+    difference = _difference(image, options)
+    piece, found = _piece(difference, threshold, options)
     size = (x1 - x0) * (y1 - y0)
-    if piece is None or piece.sum() < max(SMALLEST * size, 12):
+    if piece is None or piece.sum() < max(SMALLEST * size, SPECK):
         return Silhouette(np.empty((0, 2)), 0.0, ("nothing found",))
+    if piece.sum() < LEAST_SHARE * found:
+        return Silhouette(np.empty((0, 2)), 0.0, ("in pieces",))
     if piece.sum() > LARGEST * size:
         return Silhouette(np.empty((0, 2)), 0.0, ("the sheet fills the region",))
-    outlines, _ = cv2.findContours(piece, cv2.RETR_EXTERNAL, cv2.CHAIN_APPROX_NONE)
-    outline = max(outlines, key=len)[:, 0, :].astype(np.float64)
-    flags = []
-    if (outline.min(axis=0) <= 0).any() or (
-        outline.max(axis=0) >= [x1 - x0 - 1, y1 - y0 - 1]
-    ).any():
-        flags.append("touches the edge of the region")
-    return Silhouette(outline + np.array([x0, y0]), float(piece.sum()), tuple(flags))
+    outline = _outline(piece)
+    low, high = outline.min(axis=0), outline.max(axis=0)
+    cut = (low <= 0).any() or (high >= [x1 - x0 - 1, y1 - y0 - 1]).any()
+    flags = ("touches the edge of the region",) if cut else ()
+    corner = np.array([x0, y0])
+    if options.threshold is not None or len(outline) < 8:
+        return Silhouette(outline + corner, float(piece.sum()), flags, 1.0)
+    if blur is None:
+        blur = best_blur(blur_of(difference, outline)[None, :])
+    edge = refined(difference, outline, blur, _noise_beside(difference, piece))
+    return Silhouette(edge + corner, abs(enclosed(edge)), flags)
 
 
 def contrast_of(image: Image, options: MaskOptions) -> NDArray[np.float32]:
@@ -151,14 +188,55 @@ def contrast_of(image: Image, options: MaskOptions) -> NDArray[np.float32]:
     The background is a quadratic surface for each colour, fitted to what looks like the rim of
     the region, so that a backdrop lit unevenly counts as even.
     """
+    return _contrast(_difference(image, options), options)
+
+
+def _difference(image: Image, options: MaskOptions) -> NDArray[np.float32]:
+    """The region less its background, signed, shape (rows, columns, 3)."""
     cv2 = opencv()
     x0, y0, x1, y1 = region_of(image, options.region)
-    colours = cv2.GaussianBlur(image[y0:y1, x0:x1].astype(np.float32), (0, 0), 1.0)
-    difference = colours - _background(colours)
+    colours = cv2.GaussianBlur(image[y0:y1, x0:x1].astype(np.float32), (0, 0), SMOOTHING[0])
+    return np.asarray(colours - _background(colours), dtype=np.float32)
+
+
+def _contrast(difference: NDArray[np.float32], options: MaskOptions) -> NDArray[np.float32]:
     if options.background == "auto":
         return np.asarray(np.sqrt((difference**2).mean(axis=2)))
     sign = -1.0 if options.background == "light" else 1.0
     return np.asarray(np.maximum(sign * difference.mean(axis=2), 0.0), dtype=np.float32)
+
+
+def _piece(
+    difference: NDArray[np.float32], threshold: float, options: MaskOptions
+) -> tuple[NDArray[np.uint8] | None, float]:
+    """The mask of the sheet, None where nothing stands out, and the area of all that does."""
+    cv2 = opencv()
+    if options.threshold is not None:
+        plain = (_contrast(difference, options) > threshold).astype(np.uint8)
+        piece = _largest(cv2, plain)
+        return None if piece is None else _shaved(cv2, piece, 3), 0.0
+    more = float(np.sqrt(SMOOTHING[1] ** 2 - SMOOTHING[0] ** 2))
+    contrast = _contrast(cv2.GaussianBlur(difference, (0, 0), more), options)
+    kernel = cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (2 * EDGE_REACH + 1,) * 2)
+    mask = (contrast > threshold) & (contrast >= EDGE_SHARE * cv2.dilate(contrast, kernel))
+    # A line as dark as the background, such as the near rim before the far one, cuts no sheet.
+    shaved = _shaved(cv2, mask.astype(np.uint8), HAIR)
+    closed = cv2.morphologyEx(shaved, cv2.MORPH_CLOSE, kernel)
+    areas = cv2.connectedComponentsWithStats(closed)[2][1:, cv2.CC_STAT_AREA]
+    return _largest(cv2, closed), float(areas[areas >= SPECK].sum())
+
+
+def _outline(piece: NDArray[np.uint8]) -> Floats:
+    cv2 = opencv()
+    outlines, _ = cv2.findContours(piece, cv2.RETR_EXTERNAL, cv2.CHAIN_APPROX_NONE)
+    return np.asarray(max(outlines, key=len)[:, 0, :].astype(np.float64))
+
+
+def _noise_beside(difference: NDArray[np.float32], piece: NDArray[np.uint8]) -> float:
+    """Standard deviation of what is behind the sheet [grey levels], half a level at least."""
+    behind = difference[::3, ::3][piece[::3, ::3] == 0]
+    away = abs(behind - np.median(behind, axis=0)) if len(behind) else np.zeros(1)
+    return max(0.5, 1.4826 * float(np.median(away)))
 
 
 def _background(colours: NDArray[np.float32]) -> NDArray[np.float32]:
@@ -177,11 +255,15 @@ def _background(colours: NDArray[np.float32]) -> NDArray[np.float32]:
         kept = away < max(3.0 * spread, 3.0)
         if kept.sum() < 0.05 * len(kept):
             break
-    across = 2.0 * np.arange(columns) / columns - 1.0
-    down = 2.0 * np.arange(rows) / rows - 1.0
-    fitted = np.zeros(colours.shape, dtype=np.float32)
+    across = np.vander(2.0 * np.arange(columns) / columns - 1.0, 3, increasing=True)
+    down = np.vander(2.0 * np.arange(rows) / rows - 1.0, 3, increasing=True)
+    table = np.zeros((3, 3, 3))
     for k, (i, j) in enumerate(_POWERS):
-        fitted += (np.outer(down**j, across**i)[..., None] * coefficients[k]).astype(np.float32)
+        table[:, i, j] = coefficients[k]
+    fitted = np.empty(colours.shape, dtype=np.float32)
+    for colour in range(3):
+        along = (table[colour].T @ across.T).astype(np.float32)
+        fitted[..., colour] = down.astype(np.float32) @ along
     return fitted
 
 
@@ -197,19 +279,19 @@ def _noise_limit(contrast: NDArray[np.float32]) -> float:
     return middle + NOISE * 1.4826 * float(np.median(abs(contrast - middle)))
 
 
+def _shaved(cv2: Any, mask: NDArray[np.uint8], hair: int) -> NDArray[np.uint8]:
+    """The mask without hairs up to so many pixels wide, as it is where it is as thin itself."""
+    kernel = cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (hair, hair))
+    opened = cv2.morphologyEx(mask, cv2.MORPH_OPEN, kernel)
+    if opened.sum() <= 0.9 * mask.sum():
+        return mask
+    # Half of what an opening takes from tips comes back, and so do the roots of hairs.
+    small = cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (hair // 2, hair // 2))
+    return np.asarray(cv2.dilate(opened, small) & mask)
+
+
 def _largest(cv2: Any, mask: NDArray[np.uint8]) -> NDArray[np.uint8] | None:
-    """The largest piece with its holes filled, opened unless it is too thin for that."""
-    piece = _largest_of(cv2, mask)
-    if piece is None:
-        return None
-    opened = _largest_of(
-        cv2, cv2.morphologyEx(piece, cv2.MORPH_OPEN, cv2.getStructuringElement(2, (3, 3)))
-    )
-    # A sheet seen from its edge is thinner than the opening: then it stays as it is.
-    return opened if opened is not None and opened.sum() > 0.9 * piece.sum() else piece
-
-
-def _largest_of(cv2: Any, mask: NDArray[np.uint8]) -> NDArray[np.uint8] | None:
+    """The largest piece with its holes filled."""
     outlines, _ = cv2.findContours(mask, cv2.RETR_EXTERNAL, cv2.CHAIN_APPROX_NONE)
     if not outlines:
         return None
