@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from sheetmorph.energy.laminate import LaminateShell
+from sheetmorph.energy.laminate_kernel import measure_shapes
 from sheetmorph.energy.laminate_patch import Patch
 from sheetmorph.energy.lamination import Lamination, Layup
 from sheetmorph.energy.shape_measures import ShapeMeasures
@@ -213,3 +214,27 @@ def test_a_mesh_of_one_triangle() -> None:
     patch = Patch.of(mesh, 1.0)
     assert (patch.share == 0).all()
     assert (patch.turn > 0).all()
+
+
+def test_a_side_may_turn_by_more_than_half_a_circle() -> None:
+    """The director in the middle remembers which way round: nothing jumps at 180°."""
+    nodes = np.array([[0.0, 0, 0], [1, 0, 0], [0.5, 1, 0], [0.5, -1, 0]])
+    mesh = build_mesh(nodes, np.array([[0, 1, 2], [1, 0, 3]]))
+    patch = Patch.of(mesh, 1.0)
+    edge = int(mesh.hinge_edges[0, 0])
+    right = int(np.flatnonzero(patch.share.any(axis=1))[0])
+    side = int(np.flatnonzero(patch.share[right])[0])
+    for turn in np.deg2rad([30.0, 170.0, 179.9, 180.1, 250.0]):
+        x = nodes.copy()
+        x[3] = [0.5, -np.cos(turn), np.sin(turn)]
+        for sign in (1.0, -1.0):
+            scalars = np.zeros(6)
+            scalars[edge] = sign * 0.5 * turn
+            bent = x * [1.0, 1.0, -sign]
+            measures = np.empty((2, 6))
+            measure_shapes(
+                np.concatenate([bent.ravel(), scalars]).reshape(-1, 3),
+                *(patch.stencil, patch.directors, patch.share, patch.turn, patch.lean, patch.flap),
+                measures,
+            )
+            assert measures[right, 3 + side] / 2.0 == pytest.approx(sign * 0.5 * turn, abs=1e-9)

@@ -173,7 +173,7 @@ def test_stretch_hessian_at_zero_strain_is_not_zero(small_mesh: SheetMesh) -> No
     assert np.abs(transverse).max() > 1e-3 * np.abs(data).max()
 
 
-@pytest.mark.parametrize("name", INTERNAL)
+@pytest.mark.parametrize("name", [name for name in INTERNAL if name != "guard"])
 def test_the_convex_part_is_positive_and_agrees_without_stress(
     name: str, small_mesh: SheetMesh
 ) -> None:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from toys import Broken, Fold, Pitchfork, Rosenbrock, Toy, system_of
@@ -184,3 +186,30 @@ def test_time_runs_out_within_a_step() -> None:
         NewtonOptions(1e-12, deadline=time.perf_counter()),
     )
     assert found.outcome is Outcome.OUT_OF_TIME
+
+
+class FarAway(Toy):
+    """A bent valley y = 1 + 6 sin x that begins to fall towards x = 20 at t = 0.5."""
+
+    def derivatives(self, x, y):  # type: ignore[no-untyped-def]
+        off, slope, bend = y - 1.0 - 6.0 * np.sin(x), -6.0 * np.cos(x), 6.0 * np.sin(x)
+        goal = 20.0 if self.ramp > 0.5 else 0.0
+        return (
+            50.0 * off**2 + 0.5 * (x - goal) ** 2,
+            (100.0 * off * slope + x - goal, 100.0 * off),
+            (100.0 * (slope**2 + off * bend) + 1.0, 100.0 * slope, 100.0),
+        )
+
+
+def test_a_jump_to_a_branch_far_away_is_given_more_iterations() -> None:
+    legs = [Waypoint(0.0, 0.0), Waypoint(1.0, 0.0)]
+    statuses = {}
+    for iterations in (2, 30):
+        options = PathOptions(replace(NEWTON, max_iterations=iterations), min_step=1e-2)
+        start = start_of_path(np.array([0.0, 1.0]), legs, options)
+        events: list[object] = []
+        path = follow(system_of(FarAway()), legs, [start], options, on_event=events.append)
+        statuses[iterations] = path.status
+    assert statuses == {2: Status.STEP_TOO_SMALL, 30: Status.COMPLETED}
+    assert path.states[-1].x[0] == pytest.approx(20.0)
+    assert any(isinstance(event, StepRejected) for event in events)  # 30 steps did not do

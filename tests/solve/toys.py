@@ -62,6 +62,7 @@ class Fold(Toy):
 
     def derivatives(self, x, y):  # type: ignore[no-untyped-def]
         a = 0.5 - self.ramp
+        x = max(x, -1e50)  # down it goes for ever
         return x**3 / 3 - a * x + y**2 / 2, (x**2 - a, y), (2 * x, 0.0, 1.0)
 
 

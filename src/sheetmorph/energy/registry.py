@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from sheetmorph.energy.guard import TriangleGuard
 from sheetmorph.energy.hinge import CoupledHinge
 from sheetmorph.energy.laminate import LaminateShell
 from sheetmorph.energy.loads import AppliedLoad, NodalLoad, Weight
@@ -17,5 +18,6 @@ TERMS: dict[str, type[Term]] = {
     AppliedLoad.name: AppliedLoad,
     Weight.name: Weight,
     TableContact.name: TableContact,
+    TriangleGuard.name: TriangleGuard,
 }
 """Name of the term → its class."""

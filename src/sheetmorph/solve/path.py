@@ -15,16 +15,20 @@ from numpy.typing import NDArray
 from sheetmorph.core.events import Listener, StateReached, StepRejected, silent
 from sheetmorph.solve.linear import SingularMatrixError
 from sheetmorph.solve.minimise import Minimum, NewtonOptions, Outcome, minimise
+from sheetmorph.solve.predict import predict, tangent_of
 from sheetmorph.solve.stability import escape_saddle, negative_pivots
 from sheetmorph.solve.system import System
 
 Floats = NDArray[np.float64]
 
-DIFFERENCE = 1e-4
-"""Part of a leg over which forces are differenced where they are not linear along it."""
+JUMPS = (1.0, 10.0, 40.0)
+"""Steps over the smallest one that are tried where the branch ends, from its last state."""
 
-DOUBT = 0.03
-"""Last correction of a tangent, over its size, beyond which the Hessian is factorised anew."""
+LONG = 10
+"""Newton steps of such a jump to another branch, over those of other steps."""
+
+SHAKES = 4
+"""How often a jump that stops at an edge of the energy is shaken loose."""
 
 
 class Status(StrEnum):
@@ -225,24 +229,33 @@ def _step(
     last = known[-1]
     first, second = waypoints[last.leg], waypoints[last.leg + 1]
     size = last.step if last.leg not in equal_steps else 1.0 / equal_steps[last.leg]
-    planned = size
+    planned, newton, jumps = size, options.newton, list(JUMPS)
+    failure = Outcome.CONVERGED
     while True:
         s = _landing(last, size, options)
         ramp = first.ramp + s * (second.ramp - first.ramp)
         load = first.load + s * (second.load - first.load)
         here = system.at(ramp, load)
         before = system.work.iterations, system.work.factorisations
-        guess = here.toward(last.x, _predict(here, known, s))
-        found = minimise(here, guess, options.newton)
+        jumping = newton is not options.newton
+        guess = last.x if jumping else here.toward(last.x, predict(here, known, s))
+        found = minimise(here, guess, newton)
+        for seed in range(SHAKES if jumping else 0):
+            if found.outcome is Outcome.LINE_SEARCH_FAILED:
+                found = minimise(here, here.toward(found.x, _shaken(here, found.x, seed)), newton)
         if found.outcome is Outcome.CONVERGED:
             break
         if found.outcome is Outcome.OUT_OF_TIME:
             return str(found.outcome)
         on_event(StepRejected(ramp, load, found.outcome.replace("_", " ")))
+        failure = failure if jumping else found.outcome
         size = 0.5 * (s - last.s)
+        if jumping or size < options.min_step:
+            if not jumps:
+                return str(failure)
+            size = jumps.pop(0) * options.min_step
+            newton = _patient(options.newton)
         planned = size
-        if size < options.min_step:
-            return str(found.outcome)
     at_end = s == 1.0
     pivots = 0
     if not found.stable or (at_end and last.leg == len(waypoints) - 2):
@@ -255,7 +268,8 @@ def _step(
     tangent = np.zeros_like(found.x)
     if not at_end and last.leg not in equal_steps:
         with suppress(SingularMatrixError):
-            tangent = _tangent(here, first, second, ramp, load, found)
+            rise, drop = second.ramp - first.ramp, second.load - first.load
+            tangent = tangent_of(here, (ramp, load), (rise, drop), found)
     state = PathState(
         x=found.x,
         tangent=tangent,
@@ -275,6 +289,18 @@ def _step(
         )
     )
     return state
+
+
+def _patient(newton: NewtonOptions) -> NewtonOptions:
+    """The same search with more iterations."""
+    return replace(newton, max_iterations=LONG * newton.max_iterations)
+
+
+def _shaken(here: System, x: Floats, seed: int) -> Floats:
+    """A place beside x, by a thousandth of its extent, shape (n,); the same for the same seed."""
+    push = np.random.default_rng(seed).standard_normal(len(x))
+    push[here.held.held] = 0.0
+    return x + 1e-3 * float(np.ptp(x)) * push
 
 
 def _landing(last: PathState, size: float, options: PathOptions) -> float:
@@ -300,83 +326,6 @@ def _next_step(size: float, cost: int, options: PathOptions) -> float:
     return min(max(size, options.min_step), options.max_step)
 
 
-def _predict(system: System, known: list[PathState], s: float) -> Floats:
-    """Extrapolate: the cubic through the last two states of the leg and their tangents.
-
-    With one state on the leg, along its tangent; without tangents, along the chord. Where the
-    terms of the cubic do not fall off, as after a jump to another branch, the best of cubic,
-    tangent and last state by energy.
-    """
-    last = known[-1]
-    ds = s - last.s
-    along = ds * last.tangent
-    past = known[-2] if len(known) > 1 and known[-2].leg == last.leg else None
-    if past is None:
-        return last.x + along
-    h = last.s - past.s
-    chord = (last.x - past.x) / h
-    if not last.tangent.any():
-        return last.x + ds * chord
-    if past.s == 0.0:
-        return last.x + along
-    second = (4.0 * last.tangent + 2.0 * past.tangent - 6.0 * chord) / h
-    third = 6.0 * (last.tangent + past.tangent - 2.0 * chord) / (h * h)
-    bend = ds * ds * (second / 2.0 + ds * third / 6.0)
-    linear, reach = last.x + along, float(np.abs(along).max())
-    if np.abs(bend).max() <= 0.5 * reach and reach <= 3.0 * ds * np.abs(chord).max():
-        return linear + bend
-    guesses = (system.toward(last.x, guess) for guess in (linear + bend, linear))
-    return min((*guesses, last.x), key=system.value)
-
-
-def _tangent(
-    here: System, first: Waypoint, second: Waypoint, ramp: float, load: float, found: Minimum
-) -> Floats:
-    """dx/ds at an equilibrium: the response to the change of the forces along the leg.
-
-    Where the forces at fixed positions are linear in both fractions, one more gradient gives
-    their derivative exactly; elsewhere a central difference does. The factor at hand is that of
-    the last Newton step, a little way off; two corrections with the Hessian applied by
-    differences of gradients make up for it, for a tenth of the price of a factorisation. Where
-    the second still changes much, as for thin sheets that bend far with few Newton steps, the
-    Hessian is factorised at the state itself: cubic prediction needs good tangents.
-    """
-    x, now = found.x, found.gradient
-    rise, drop = second.ramp - first.ramp, second.load - first.load
-    if here.linear_in_ramp:
-        rate = here.at(ramp + rise, load + drop).gradient(x)[1] - now
-    else:
-        ahead, behind = (
-            here.at(ramp + part * rise, load + part * drop).gradient(x)[1]
-            for part in (DIFFERENCE, -DIFFERENCE)
-        )
-        rate = (ahead - behind) / (2.0 * DIFFERENCE)
-    tangent, doubt = _response(here, x, now, rate)
-    if doubt > DOUBT:
-        _, _, data = here.hessian(x)
-        if here.factorise(data):
-            tangent, _ = _response(here, x, now, rate)
-    return tangent if np.isfinite(tangent).all() else np.zeros_like(x)
-
-
-def _response(here: System, x: Floats, now: Floats, rate: Floats) -> tuple[Floats, float]:
-    """Minus the inverse of the Hessian at x times a rate of the gradient, by the factor at hand.
-
-    Returns:
-        The response, shape (n,), and how much of it the last correction was.
-    """
-    tangent, doubt = -here.solve(rate), 0.0
-    for _ in range(2):
-        largest = float(np.abs(tangent).max())
-        if not largest > 0.0:
-            break
-        reach = 1e-6 * float(np.ptp(x)) / largest
-        _, moved = here.gradient(x + reach * tangent)
-        change = here.solve(rate + (moved - now) / reach)
-        tangent, doubt = tangent - change, float(np.abs(change).max()) / largest
-    return tangent, doubt
-
-
 def _settle(here: System, found: Minimum, options: PathOptions) -> tuple[Minimum, int]:
     """Count the negative pivots at the state itself, leave a saddle, and use the factor that
     this takes for one last correction."""
@@ -385,7 +334,7 @@ def _settle(here: System, found: Minimum, options: PathOptions) -> tuple[Minimum
         found = replace(found, x=x, gradient=gradient)
         if pivots == 0:
             break
-        lower = minimise(here, escape_saddle(here, found.x), options.newton)
+        lower = minimise(here, escape_saddle(here, found.x), _patient(options.newton))
         if lower.outcome is not Outcome.CONVERGED or not lower.energy < found.energy:
             break
         found = lower

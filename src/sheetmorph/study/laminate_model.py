@@ -13,6 +13,7 @@ from sheetmorph.design.regions import Regions
 from sheetmorph.design.sections import EVERYWHERE
 from sheetmorph.design.spec import Design
 from sheetmorph.design.supports import directed_edges
+from sheetmorph.energy.guard import TriangleGuard
 from sheetmorph.energy.laminate import LaminateShell
 from sheetmorph.energy.laminate_fields import energy_parts
 from sheetmorph.energy.laminate_patch import Patch
@@ -74,12 +75,26 @@ def laminate_parts(design: Design, mesh: SheetMesh, region: Regions) -> ModelPar
     shell = laminate_shell(design, mesh, region)
     rigidity = max(cell.stack.flexural_rigidity for cell in region.cells)
     membrane = max(cell.stack.membrane_stiffness for cell in region.cells)
+    stiff = np.array([cell.stack.membrane_stiffness for cell in region.cells])
+    natural = shell.at(1.0, 0.0).rest.natural
+    guard = TriangleGuard.of(
+        mesh, stiff[region.triangle_cell] * mesh.triangle_areas, natural[:, :3]
+    )
     return ModelParts(
-        terms=(shell,),
+        terms=(shell, guard),
         held_scalars=shell.patch.held,
         force_scale=rigidity / mesh.mean_edge_length,
         stretch_force=membrane * float(mesh.edge_lengths.max()),
+        natural_lean=_natural_lean(natural),
     )
+
+
+def _natural_lean(natural: Floats) -> float:
+    """Largest |α| of natural shape measures (l², 2 h α), shape (T, 6) [rad]."""
+    sides, bending = natural[:, :3], natural[:, 3:]
+    sixteenth = sides.sum(axis=1) ** 2 - 2.0 * (sides**2).sum(axis=1)  # 16 area², by Heron
+    heights = np.sqrt(np.maximum(sixteenth, 1e-300) / 4.0)[:, None] / np.sqrt(sides)
+    return float(np.abs(bending / (2.0 * heights)).max(initial=0.0))
 
 
 def energy_densities(

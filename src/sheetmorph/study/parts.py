@@ -29,6 +29,9 @@ class ModelParts:
         bending_stiffness: k_b of every hinge [J], shape (H,); empty where hinges have none.
         coupling: natural dihedral angle per strain mismatch of every hinge, shape (H,); empty
             where there is none.
+        natural_lean: largest angle [rad] by which a director leans out of its triangle where the
+            layers are left alone at full actuation: what the mesh has to follow; 0 where layers
+            want no curvature.
     """
 
     terms: tuple[Term, ...]
@@ -38,3 +41,4 @@ class ModelParts:
     stretch_stiffness: Floats = field(default_factory=_nothing)
     bending_stiffness: Floats = field(default_factory=_nothing)
     coupling: Floats = field(default_factory=_nothing)
+    natural_lean: float = 0.0

@@ -109,6 +109,8 @@ def simulate(
     result = result_of(problem, path, system, linear.name)
     if path.status is Status.STEP_TOO_SMALL:
         _explain(result)
+    elif path.status is Status.COMPLETED:
+        _tell_of_guard(result)
     result.summary["seconds"] = seconds_of(system.work, solved, perf_counter() - began)
     if path.status is not Status.COMPLETED:
         on_event(Notice(f"{path.status}: {result.summary['remedy']}"))
@@ -262,6 +264,17 @@ def _explain(result: Result) -> None:
         )
         result.summary["remedy"] = (
             f"the eigenstrains of its edges fit no triangle; {advice}, or a smoother profile"
+        )
+
+
+def _tell_of_guard(result: Result) -> None:
+    """Say so where triangles of a shape are kept from collapsing by nothing but the guard."""
+    if result.summary["energy_J"]["guard"] > 0.0:
+        corners = surface.smallest_angles(result.positions[-1], result.mesh.triangles)
+        x, y = 1e3 * result.mesh.triangle_centroids[int(corners.argmin())]
+        result.summary["detail"] = (
+            f"triangles are squeezed to slivers and held open by the guard, the flattest at "
+            f"({x:.1f}, {y:.1f}) mm; another mesh.size or a smaller actuation avoids them"
         )
 
 

@@ -8,8 +8,12 @@ from collections.abc import Callable, Mapping
 from sheetmorph.core.errors import InputError, nearest
 from sheetmorph.design.families import random_kirigami
 from sheetmorph.design.spec import Design
+from sheetmorph.sweep.random_designs import random_design
 
-FAMILIES: dict[str, Callable[..., Design]] = {"random_kirigami": random_kirigami}
+FAMILIES: dict[str, Callable[..., Design]] = {
+    "random_kirigami": random_kirigami,
+    "random_design": random_design,
+}
 """Functions from a seed and a few numbers in SI units to a design."""
 
 
