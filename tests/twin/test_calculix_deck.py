@@ -114,3 +114,9 @@ def test_a_deck_that_grows_too_long_is_refused(monkeypatch: pytest.MonkeyPatch) 
     monkeypatch.setattr(calculix, "MOST_LINES", 100)
     with pytest.raises(sm.InputError, match=r"mesh.size: the deck would have \d+ lines"):
         deck_of(sm.Design.from_toml(FILM), steps=2)
+
+
+def test_a_smeared_pattern_is_refused() -> None:
+    smeared = BILAYER.replace('size = "4 mm"', 'size = "4 mm"\npattern_smoothing = "2 mm"')
+    with pytest.raises(sm.InputError, match=r"mesh.pattern_smoothing: .*taper"):
+        Sheet.of(sm.Design.from_toml(smeared))

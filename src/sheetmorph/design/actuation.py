@@ -47,7 +47,8 @@ def edge_distance(design: Design, mesh: SheetMesh, region: Regions) -> tuple[Flo
     The pattern is where its inert layers lie. With `distance = "bilayer_edges"` it is
     measured to the nearest midpoint of an edge in the pattern, and the greatest is that of an
     edge. With "pattern_boundary" it is measured to the boundary of the pattern, and the
-    greatest is taken over the nodes too, so that neither depends on the mesh.
+    greatest is taken over the nodes too, so that neither depends on the mesh. With a smeared
+    boundary both are blended.
 
     Returns:
         Distances [m], shape (E,), zero in the pattern, and d_max [m].
@@ -55,6 +56,8 @@ def edge_distance(design: Design, mesh: SheetMesh, region: Regions) -> tuple[Flo
     Raises:
         InputError: the design has no pattern, or no edge of the mesh lies in it, or all do.
     """
+    if region.smooth is not None:
+        return np.maximum(region.smooth.edges.signed, 0.0), region.smooth.farthest
     covered = covered_cells(design, region)
     inside = covered[region.edge_cell]
     distances = np.zeros(len(mesh.edges))

@@ -25,8 +25,10 @@ ROUND = 0.5
 """Below this distance, in widths, the crease at the boundary itself is rounded."""
 GROUP = 16
 """Sides that share a box, by which those far away are passed over."""
-NEGLIGIBLE = 40.0
-"""Sides farther than the nearest by more than this many ranges do not count: e⁻⁴⁰."""
+NEGLIGIBLE = 30.0
+"""Sides farther than the nearest by more than this many ranges do not count: e⁻³⁰ = 10⁻¹³."""
+LAST = math.exp(-NEGLIGIBLE)
+"""Taken off every weight, so that it is nothing where a side ceases to count."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -278,7 +280,7 @@ def _nearby(px, py, corners, sides, boxes, rounding, blend, bounds, squares):  #
 
 @kernel
 def _blend(px, py, corners, sides, boxes, rounding, blend, bounds, squares):  # type: ignore[no-untyped-def]
-    """Weighted mean of u, Σ c exp(…), the least u, and the distance that does not count."""
+    """Weighted mean of u, sum of the weights, least u, and the distance that does not count."""
     nearest, limit = _nearby(px, py, corners, sides, boxes, rounding, blend, bounds, squares)
     least = _rounded(nearest, rounding)
     whole, mean = 0.0, 0.0
@@ -291,7 +293,8 @@ def _blend(px, py, corners, sides, boxes, rounding, blend, bounds, squares):  # 
                 ex, ey = corners[j + 1, 0] - corners[j, 0], corners[j + 1, 1] - corners[j, 1]
                 length = math.sqrt(ex * ex + ey * ey)
                 value = _rounded(math.sqrt(squares[k]), rounding)
-                weight = length / (length + blend) * math.exp((least - value) / blend)
+                over = math.exp((least - value) / blend)
+                weight = length / (length + blend) * max(over - LAST, 0.0)
                 whole += weight
                 mean += weight * value
     return mean / whole, whole, least, limit
@@ -314,7 +317,12 @@ def _pull_blended(points, weights, corners, sides, boxes, blend, rounding, found
         mean, whole, least, limit = _blend(
             px, py, corners, sides, boxes, rounding, blend, bounds, squares
         )
-        for k in range(len(sides)):
+        k = -1
+        while k + 1 < len(sides):
+            k += 1
+            if bounds[k // GROUP] >= limit:
+                k += GROUP - 1 - k % GROUP
+                continue
             if squares[k] >= limit * limit:
                 continue
             j = sides[k]
@@ -329,10 +337,13 @@ def _pull_blended(points, weights, corners, sides, boxes, blend, rounding, found
             slope = 1.0 / max(d, 1e-300)
             if d < rounding:
                 slope = (3.0 - (d / rounding) ** 2) / (2.0 * rounding)
-            part = weights[i] * math.exp((least - value) / blend) / whole
+            part, over = weights[i] / whole, math.exp((least - value) / blend)
+            if over <= LAST:
+                continue
             count = length / (length + blend)
-            pull = -part * count * (1.0 - (value - mean) / blend) * slope
-            longer = part * (value - mean) * blend / (length + blend) ** 2 / length
+            pull = -part * count * (over - LAST - over * (value - mean) / blend) * slope
+            longer = (over - LAST) * (value - mean) * blend / (length + blend) ** 2 / length
+            longer *= part
             found[j, 0] += (1.0 - t) * pull * x - longer * ex
             found[j, 1] += (1.0 - t) * pull * y - longer * ey
             found[j + 1, 0] += t * pull * x + longer * ex

@@ -84,9 +84,15 @@ class Sheet:
         """Mesh a design and lay its layers out in space.
 
         Raises:
-            InputError: the design and its mesh do not fit together, or a layer of the pattern
-                lies between two that lie everywhere, which no flat body shows.
+            InputError: the design and its mesh do not fit together, its pattern is smeared, or a
+                layer of the pattern lies between two that lie everywhere, which no flat body
+                shows.
         """
+        if design.spec.mesh.pattern_smoothing is not None:
+            raise InputError(
+                "the finite-element twin has no layers that taper off; leave it out for the twin",
+                key="mesh.pattern_smoothing",
+            )
         mesh = design.build_mesh()
         if np.abs(mesh.nodes[:, 2]).max() > SAME * mesh.size:
             raise InputError("the sheet is not flat; its finite-element twin must be", key="mesh")
