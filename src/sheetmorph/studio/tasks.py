@@ -11,6 +11,7 @@ from time import perf_counter
 from typing import Any
 
 from sheetmorph.core.errors import InputError
+from sheetmorph.design.files import edit_design_text
 from sheetmorph.design.spec import Design
 from sheetmorph.geometry.mesh import SheetMesh
 from sheetmorph.studio.drawings import look_at_drawing, use_drawing
@@ -64,8 +65,7 @@ def designed(job: dict[str, Any]) -> Design:
     values = dict(job.get("values") or {})
     shape = values.pop(APPENDED, None)
     text = job["text"] if shape is None else with_shape(job["text"], shape)
-    design = Design.from_toml(text, folder)
-    return design.with_values(values) if values else design
+    return Design.from_toml(edit_design_text(text, values) if values else text, folder)
 
 
 def with_shape(text: str, shape: dict[str, Any]) -> str:
