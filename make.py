@@ -6,6 +6,7 @@
     python make.py docs     build the documentation site into build/site and check its links
     python make.py oldest   try the oldest versions that pyproject.toml allows, apart from .venv
     python make.py wheel    build the wheel, install it into an empty environment, and try it
+    python make.py audit    list its parts (SBOM), and ask which have known vulnerabilities
 
 The environment is the folder .venv beside this file. It is brought up to date when
 pyproject.toml has changed; delete it to make it anew.
@@ -24,6 +25,8 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parent
 VENV = ROOT / ".venv"
 BIN = VENV / ("Scripts" if os.name == "nt" else "bin")
+SITE = ROOT / "build" / "site"
+PYTHON = BIN / ("python.exe" if os.name == "nt" else "python")
 LARGEST_INSTALL = 1_600_000_000
 """Most bytes that the wheel and all it brings may take on disk."""
 TRIAL = (
@@ -32,8 +35,6 @@ TRIAL = (
     *("cli/test_run.py", "cli/test_sweep.py", "show/test_pictures.py", "studio/test_notebook.py"),
 )
 """Tests that are run with the oldest versions: something of every library."""
-SITE = ROOT / "build" / "site"
-PYTHON = BIN / ("python.exe" if os.name == "nt" else "python")
 
 
 def main(arguments: list[str]) -> int:
@@ -41,14 +42,7 @@ def main(arguments: list[str]) -> int:
     if sys.version_info < (3, 11):
         print("sheetmorph needs Python 3.11 or newer; this is", sys.version.split()[0])
         return 2
-    jobs = {
-        "bowl": bowl,
-        "test": test,
-        "fast": fast,
-        "docs": docs,
-        "oldest": oldest,
-        "wheel": wheel,
-    }
+    jobs = {job.__name__: job for job in (bowl, test, fast, docs, oldest, wheel, audit)}
     if len(arguments) != 1 or arguments[0] not in jobs:
         print(__doc__)
         return 2
@@ -115,6 +109,24 @@ def wheel() -> int:
     for command in ("new bowl --preset bowl", "check bowl.toml", "run bowl.toml -o bowl"):
         code |= run(python, "-m", "sheetmorph", *command.split(), check=False, cwd=work)
     return code or int(brought > LARGEST_INSTALL)
+
+
+def audit() -> int:
+    """A CycloneDX list of all that the wheel brings, build/sbom.json; then pip-audit's verdict.
+
+    The list needs no network, the verdict does: without one it fails, and says so.
+    """
+    installed = PYTHON.relative_to(VENV)
+    target = ROOT / "build" / "venv-wheel"
+    if not (target / installed).exists() and wheel() != 0:
+        return 1
+    tools = _empty("audit")
+    run(tools, "-m", "pip", "install", "--quiet", "cyclonedx-bom", "pip-audit")
+    output = ("--output-format", "JSON", "--output-file", ROOT / "build" / "sbom.json")
+    listing = ("environment", target / installed, "--pyproject", ROOT / "pyproject.toml")
+    run(tools, "-m", "cyclonedx_py", *listing, *output)
+    (packages,) = (*target.glob("lib/*/site-packages"), *target.glob("Lib/site-packages"))
+    return run(tools, "-m", "pip_audit", "--strict", "--path", packages, check=False)
 
 
 def _empty(name: str) -> Path:
