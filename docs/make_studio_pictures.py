@@ -58,7 +58,7 @@ def studio() -> None:
             page.wait_for_timeout(500)
             with replacing(SCREEN) as partial:
                 shot = Image.open(io.BytesIO(page.screenshot())).convert("RGB")
-                shot.quantize(256).save(partial, optimize=True)
+                shot.save(partial, optimize=True)
             browser.close()
     finally:
         server.terminate()

@@ -43,8 +43,8 @@ MAY_IMPORT: dict[str, set[str]] = {
     },
     "fabricate": {"core", "geometry", "drawing", "design"},
     "studio": {
-        *STUDY,
-        *("drawing", "study", "branches", "show", "fabricate"),
+        *("core", "geometry", "drawing", "compare", "design"),
+        *("study", "show", "fabricate"),
     },
     "cli": {
         *STUDY,
