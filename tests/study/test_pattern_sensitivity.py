@@ -187,3 +187,11 @@ def test_a_state_of_another_pattern_is_refused(run: sm.Result) -> None:
     wider = with_number(run.design, "pattern.0.half_width", 0.0034)
     with pytest.raises(ComputationError, match="no equilibrium"):
         sensitivities(replace(run, design=wider), rise(run))
+
+
+def test_a_shape_that_leans_on_the_guard_is_refused(run: sm.Result) -> None:
+    corner = run.mesh.triangles[0]
+    squeezed = run.positions.copy()
+    squeezed[-1, corner[2]] = squeezed[-1, corner[:2]].mean(axis=0)
+    with pytest.raises(ComputationError, match="collapsing"):
+        sensitivities(replace(run, positions=squeezed), rise(run))

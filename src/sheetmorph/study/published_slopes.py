@@ -31,7 +31,7 @@ def published_fields(
         "eigenstrain", "stretch_stiffness", "rest_length" (E,), "bending_stiffness" and
         "coupling" (H,); all but the one that is named held fixed.
     """
-    stretch, bend = problem.model.terms
+    stretch, bend, *_ = problem.model.terms
     assert isinstance(stretch, EdgeStretch)  # noqa: S101  the order of published_parts
     assert isinstance(bend, CoupledHinge)  # noqa: S101
     mesh = problem.mesh

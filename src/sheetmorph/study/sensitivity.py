@@ -13,6 +13,7 @@ from sheetmorph.core.errors import ComputationError, InputError, nearest
 from sheetmorph.design.laminate import stack_of
 from sheetmorph.design.regions import Regions
 from sheetmorph.design.spec import Design
+from sheetmorph.energy.guard import TriangleGuard
 from sheetmorph.energy.loads import NodalLoad
 from sheetmorph.geometry.mesh import Floats
 from sheetmorph.solve.adjoint import adjoint_state
@@ -122,6 +123,7 @@ def sensitivities(
     values = {key: number_at(result.design, key) for key in keys}
     problem = build_problem(result.design, result.mesh)
     wanted = _wanted(problem, fields)
+    _check_open(problem, result.positions[-1])
     state = _State.of(problem, result)
     value, slope = objective(result.positions[-1])
     slope = np.asarray(slope, dtype=np.float64)
@@ -136,6 +138,17 @@ def sensitivities(
         boundary={} if pattern is None else pattern.by_corner,
         corners={} if pattern is None else {k: b.corners for k, b in pattern.boundaries.items()},
     )
+
+
+def _check_open(problem: Problem, positions: Floats) -> None:
+    """Refuse a shape in which triangles would collapse if nothing held them open."""
+    for term in problem.model.terms:
+        if isinstance(term, TriangleGuard) and len(held := term.held_open(positions)):
+            raise ComputationError(
+                f"the shape leans on the guard that keeps triangles from collapsing ({len(held)} "
+                "of them), which is no property of the sheet, so it has no sensitivities; refine "
+                "the mesh there or actuate less"
+            )
 
 
 @dataclass(frozen=True, eq=False)
