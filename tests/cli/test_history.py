@@ -130,6 +130,8 @@ def test_without_a_reference_sizes_are_pixels(place, tmp_path, capsys):
         (["--film", "{v}", "--roll", "5,5,5,5"], "--roll"),
         (["--film", "{v}", "--tilt-shape", "run"], "needs a RUN"),
         (["--film", "{v}", "--thickness", "1 mm"], "needs a RUN or --reference"),
+        (["--film", "{v}", "--distance", "600 mm"], "needs a RUN or --reference"),
+        (["{p}/run", "--film", "{v}", "--distance", "9 mm"], "too near"),
         (["{p}/run", "--width", "diagonal"], "--width"),
         (["{p}/run", "--azimuth", "1 mm"], "--azimuth"),
         (["{p}/run", "-o", "{v}"], "this is a file"),

@@ -14,9 +14,6 @@ if TYPE_CHECKING:
     from sheetmorph.measure.side_view import Reference
     from sheetmorph.study.result import Result
 
-NEAREST = 2.0
-"""Distance over width of the sheet that a camera needs."""
-
 
 def film_options(results: Sequence[Result], azimuth: float, given: dict[str, Any]) -> FilmOptions:
     """How films are measured.
@@ -62,14 +59,6 @@ def film_options(results: Sequence[Result], azimuth: float, given: dict[str, Any
     for name in ("thickness", "distance"):
         if given[name] is not None and shapes is None and reference is None:
             raise InputError("needs a RUN or --reference", key=f"--{name}")
-    if shapes is not None and 0.0 < distance < NEAREST * shapes.flat_width:
-        raise InputError(
-            "the camera is too near for its views to be corrected",
-            key="--distance",
-            value=given["distance"],
-            allowed=f"{NEAREST * 1e3 * shapes.flat_width:.0f} mm and more, twice the width of "
-            "the sheet",
-        )
     return FilmOptions(
         mask=MaskOptions(
             region=None if region is None else tuple(round(v) for v in region),  # type: ignore[arg-type]

@@ -26,6 +26,8 @@ from sheetmorph.measure.silhouette import (
 MAX_FRAMES = 5000
 SAMPLES, SHARPNESS = 12, 4
 """Frames from which the threshold and the blur are found."""
+NEAREST = 2.0
+"""Distance of the camera over the width of the sheet, at least."""
 SHOTS = 24
 """Frames kept as pictures, at least, of a long film."""
 SHOT_SIDE = 320
@@ -117,6 +119,7 @@ def read_film(film: Film, options: FilmOptions, on_event: Listener = silent) -> 
     scale = None if options.reference is None else options.reference.metre_per_pixel(*size)
     begin = found.index(first)
     shapes, per_pixel = _shapes(scale, float(seen_width[begin]), options)
+    _check_distance(film, options.distance, shapes)
     places *= per_pixel
     camera = _camera(
         *(first, seen_width[begin], seen[begin], places[begin]),
@@ -193,6 +196,18 @@ def _shapes(scale: float | None, width: float, options: FilmOptions) -> tuple[Sh
     if shapes is None:
         return caps(float(scale) * width), float(scale)  # type: ignore[arg-type]
     return shapes, shapes.flat_width / width if scale is None else scale
+
+
+def _check_distance(film: Film, distance: float, shapes: Shapes) -> None:
+    nearest = NEAREST * shapes.flat_width
+    if 0.0 < distance < nearest:
+        raise InputError(
+            "the camera is too near for its views to be corrected",
+            file=film.path,
+            key="--distance",
+            value=f"{1e3 * distance:g} mm",
+            allowed=f"{1e3 * nearest:.0f} mm and more, twice the width of the sheet",
+        )
 
 
 def _camera(
