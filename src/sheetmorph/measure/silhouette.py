@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from sheetmorph.core.errors import InputError
 from sheetmorph.geometry.mesh import Floats
-from sheetmorph.measure.edges import best_blur, blur_of, enclosed, refined
+from sheetmorph.measure.edges import best_blur, blur_of, enclosed, mean_thickness, refined
 from sheetmorph.measure.frames import Image, opencv
 
 Background = Literal["auto", "light", "dark"]
@@ -27,6 +27,8 @@ SPECK = 12
 """Pixels of the smallest piece that counts."""
 LEAST_SHARE = 0.5
 """Share that the largest piece has of all that stands out; less is a sheet in pieces."""
+THIN, FAINT = 8.0, 2.0
+"""Pixels that a sheet seen from its edge is thick, and thresholds that it then must reach."""
 EDGE_REACH = 4
 """Pixels from an edge within which the full contrast of the sheet is looked for."""
 EDGE_SHARE = 0.35
@@ -170,6 +172,11 @@ def find_silhouette(
     if piece.sum() > LARGEST * size:
         return Silhouette(np.empty((0, 2)), 0.0, ("the sheet fills the region",))
     outline = _outline(piece)
+    if options.threshold is None and mean_thickness(outline) < THIN:
+        # A flat sheet seen from its edge: where it is faint, parts of it are below the threshold.
+        strength = np.median(np.sqrt((difference[piece > 0] ** 2).mean(axis=1)))
+        if strength < FAINT * threshold:
+            return Silhouette(np.empty((0, 2)), 0.0, ("in pieces",))
     low, high = outline.min(axis=0), outline.max(axis=0)
     cut = (low <= 0).any() or (high >= [x1 - x0 - 1, y1 - y0 - 1]).any()
     flags = ("touches the edge of the region",) if cut else ()
