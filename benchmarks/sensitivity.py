@@ -108,6 +108,9 @@ def main() -> None:
             start = process_time()
             result = sm.simulate(design, mesh=mesh)
             run = process_time() - start
+            if result.status != "completed":
+                print(f"| {name} | {model} | – | {result.status} | – | – | – |", flush=True)
+                continue
             objective = distance_to(result.mesh.nodes, result.mesh.node_areas)
             found = sensitivities(result, objective)
             count = sum(array.size for array in (*found.fields.values(), *found.boundary.values()))
