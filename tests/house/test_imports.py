@@ -44,7 +44,7 @@ MAY_IMPORT: dict[str, set[str]] = {
     "fabricate": {"core", "geometry", "drawing", "design"},
     "studio": {
         *("core", "geometry", "drawing", "compare", "design"),
-        *("study", "show", "fabricate"),
+        *("study", "branches", "show", "fabricate"),
     },
     "cli": {
         *STUDY,

@@ -210,3 +210,16 @@ def test_the_file_is_saved_and_changes_by_others_are_seen(studio: Running, tab: 
     tab.wait("saved")
     assert studio.file.read_text("utf-8") == last_text(tab)
     studio.file.write_text(before, encoding="utf-8")
+
+
+def test_other_shapes_of_the_sheet_are_found(tab: Tab) -> None:
+    tab.order("preset", name="petals")
+    tab.wait("design")
+    nodes = tab.solved()["numbers"]["nodes"]
+    tab.order("shapes")
+    shapes = tab.wait("shapes", 90)["shapes"]
+    assert [shape["stable"] for shape in shapes] == [True, True]
+    heights = tab.arrays["shapes"][:, :, 2]
+    assert heights.shape == (2, nodes)
+    assert heights[0].max() > 40.0 > -40.0 > heights[1].min()  # one up, one down
+    assert shapes[0]["energy_mJ"] < shapes[1]["energy_mJ"]

@@ -143,6 +143,7 @@ ORDERS: dict[str, Callable[[Session, dict[str, Any]], None]] = {
     "compare": _compare,
     "export": _export,
     "save": _save,
+    "shapes": lambda session, order: session.help("shapes", {}, "looking for other shapes"),
     "forget scan": lambda session, order: session.forget_scan(),
     "stop": lambda session, order: session.stop_help(),
 }

@@ -19,6 +19,7 @@ from sheetmorph.studio.exports import export
 from sheetmorph.studio.panel import panel
 from sheetmorph.studio.plan import plan
 from sheetmorph.studio.scans import compare_scan
+from sheetmorph.studio.shapes import find_shapes
 from sheetmorph.studio.worker import Desk
 
 PREVIEW_NODES = 260
@@ -176,5 +177,6 @@ TASKS: dict[str, Callable[[dict[str, Any], Desk, Memory], None]] = {
     "use": use_drawing,
     "compare": compare_scan,
     "export": export,
+    "shapes": find_shapes,
 }
 """The tasks by their names in jobs."""

@@ -8,6 +8,7 @@ import "./panel.js";
 import "./plan.js";
 import "./status.js";
 import "./scan.js";
+import "./shapes.js";
 import { play } from "./tools.js";
 import { look, retheme } from "./view.js";
 import { connect, on, order } from "./wire.js";

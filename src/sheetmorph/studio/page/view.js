@@ -33,15 +33,17 @@ scene.add(sheet, outline, wires, ghost, ghostLines, scan, marks);
 
 /** What is shown: the packet of the newest shape and how it is looked at. */
 export const shown = { head: null, arrays: null, moment: 1, field: "", layout: "shape", nodes: null, drawn: 0 };
+let own = null; // final positions of the run, while others are shown
 let framed = null;
 let middle = [0, 0]; // of the flat sheet [mm]
-let seen = [0, 0]; // that at which the camera looks
+let seen = [0, 0, 0]; // where the camera looks [mm]
 
 on("scene", setScene); // before the parts that are told of the new shape
 
 /** Show another result. */
 function setScene(head, arrays) {
   const first = shown.head === null;
+  own = null;
   Object.assign(shown, { head, arrays, nodes: new Float32Array(arrays.positions.shape[1] * 3) });
   const corners = arrays.triangles.length;
   for (const mesh of [sheet, ghost]) {
@@ -63,8 +65,18 @@ function setScene(head, arrays) {
   paintParts(ghost.geometry);
   redraw();
   const size = extent();
-  const moved = Math.hypot(middle[0] - seen[0], middle[1] - seen[1]);
+  const moved = Math.hypot(middle[0] - seen[0], middle[1] - seen[1], mean(shown.nodes) - seen[2]);
   if (first || Math.abs(size / framed - 1) > 0.6 || moved > 0.2 * size) look("home");
+}
+
+/** Show other final positions of the nodes [mm]; none for those of the run. */
+export function swapFinal(points) {
+  const { positions } = shown.arrays;
+  const at = positions.length - shown.nodes.length;
+  own ??= positions.slice(at);
+  positions.set(points ?? own, at);
+  shown.moment = 1;
+  redraw();
 }
 
 /** Go to a moment of the actuation, 0 flat and 1 final. */
@@ -233,13 +245,13 @@ export function showMesh(on) {
 export function look(from) {
   if (!shown.head) return;
   framed = extent();
-  seen = middle;
-  const wide = shown.layout === "beside" ? 2.1 : 1;
+  const wide = shown.layout === "beside" ? 1.75 : 1;
   const tall = camera.aspect < 1.25 ? 1.25 / camera.aspect : 1;
   const distance = 1.95 * framed * Math.max(tall, wide * 0.85);
   const to = { home: [0.42, -0.8, 0.5], top: [0, -1e-4, 1], side: [0, -1, 0.02] }[from];
   const [x, y] = middle;
   const z = mean(shown.nodes);
+  seen = [x, y, z];
   controls.target.set(x, y, z);
   camera.position.set(x + distance * to[0], y + distance * to[1], z + distance * to[2]);
   controls.update();
