@@ -15,6 +15,7 @@ from sheetmorph.calibrate.result import Calibration
 from sheetmorph.core.errors import InputError
 from sheetmorph.core.events import Listener, Progress, silent
 from sheetmorph.core.files import write_bytes, write_text
+from sheetmorph.core.locks import sole_user
 from sheetmorph.design.spec import Design
 from sheetmorph.show.calibration import PICTURES, write_pictures
 
@@ -84,25 +85,33 @@ def calibrate_into(
         on_event: told of the progress.
 
     Raises:
-        InputError: as for `calibrate` and `check_folder`.
+        InputError: as for `calibrate` and `check_folder`; or another job is at work there.
         ComputationError: no candidate could be simulated.
         OutputError: something could not be written; what is there is whole.
     """
     place = Path(folder)
-    check_folder(place, design, resume=resume, force=force)
-    if force:
-        for name in (NUMBERS, JOURNAL, fitted_name(design), *PICTURES):
-            (place / name).unlink(missing_ok=True)
-    fit = calibrate(
-        design,
-        parameters,
-        scans=scans,
-        curves=curves,
-        options=options,
-        journal=place / JOURNAL,
-        resume=resume,
-        on_event=on_event,
-    )
+    check_folder(place, design, resume=True, force=False)
+    with sole_user(place):
+        check_folder(place, design, resume=resume, force=force)
+        if force:
+            for name in (NUMBERS, JOURNAL, fitted_name(design), *PICTURES):
+                (place / name).unlink(missing_ok=True)
+        fit = calibrate(
+            design,
+            parameters,
+            scans=scans,
+            curves=curves,
+            options=options,
+            journal=place / JOURNAL,
+            resume=resume,
+            on_event=on_event,
+        )
+        _write(fit, place, pictures, on_event)
+    return fit
+
+
+def _write(fit: Calibration, place: Path, pictures: bool, on_event: Listener) -> None:
+    design = fit.design
     on_event(Progress(0.98, "writing"))
     write_text(place / fitted_name(design), fit.fitted_toml())
     for key, name in _named_files(design):
@@ -114,7 +123,6 @@ def calibrate_into(
     numbers = json.dumps(fit.to_json(), indent=2, ensure_ascii=False, allow_nan=False)
     write_text(place / NUMBERS, numbers + "\n")
     on_event(Progress(1.0, "done"))
-    return fit
 
 
 def _named_files(design: Design) -> list[tuple[str, str]]:

@@ -8,6 +8,7 @@ from time import perf_counter
 from sheetmorph.core.errors import InputError
 from sheetmorph.core.events import Listener, Progress, silent
 from sheetmorph.core.files import write_text
+from sheetmorph.core.locks import sole_user
 from sheetmorph.design.spec import Design
 from sheetmorph.geometry.writers import write_stl, write_vtu_series
 from sheetmorph.show import fields
@@ -57,13 +58,29 @@ def run_design(
         The result, and notes for the user (such as what to install for better pictures).
 
     Raises:
-        InputError: bad design, or the folder holds results and `force` is not set.
+        InputError: bad design, or the folder holds results and `force` is not set, or another
+            job is at work there.
         OutputError: something could not be written; what is there is whole.
     """
     began = perf_counter() if started is None else started
     place = Path(folder)
     if modes:
         design.must_be_still("--modes")
+    if place.exists() and not place.is_dir():
+        raise InputError("this is a file; choose another folder with -o", file=place)
+    with sole_user(place):
+        return _run(design, place, resume, force, modes, on_event, began)
+
+
+def _run(
+    design: Design,
+    place: Path,
+    resume: bool,
+    force: bool,
+    modes: int,
+    on_event: Listener,
+    began: float,
+) -> tuple[Result, list[str]]:
     journal = Journal.of_run(place, _outdated(place) if force else ())
     _guard(place, journal, resume, force)
     wanted = design.outputs
@@ -149,8 +166,6 @@ def _outdated(place: Path) -> list[Path]:
 
 def _guard(place: Path, journal: Journal, resume: bool, force: bool) -> None:
     """Refuse to overwrite results, or to throw away the states of an unfinished run."""
-    if place.exists() and not place.is_dir():
-        raise InputError("this is a file; choose another folder with -o", file=place)
     if resume or force:
         return
     if (place / "result.h5").exists():

@@ -21,6 +21,9 @@ FORMAT_VERSION = 1
 MAX_VALUES = 500_000_000
 """Most numbers of one array that a file may announce."""
 
+MOST_PACKED = 300
+"""Most bytes of an array per byte of it in a file: LZF packs zeros by less."""
+
 FIELDS: dict[str, tuple[str, str]] = {
     "dihedral": ("rad", "signed dihedral angle θ, per state and hinge"),
     "strain": ("1", "edge strain e = l/l0 − 1, per state and edge"),
@@ -71,8 +74,8 @@ def write_result(result: Result, path: Path) -> None:
                 file.attrs["version"] = result.summary["version"]
                 file.attrs["design_hash"] = result.summary["design_hash"]
                 file.attrs["solver"] = result.summary["solver"]
-                file.create_dataset("design", data=result.design.to_portable_toml())
-                file.create_dataset("summary", data=json.dumps(result.summary))
+                _write_text(file, "design", result.design.to_portable_toml())
+                _write_text(file, "summary", json.dumps(result.summary))
                 for name in _MESH:
                     _write(file, f"mesh/{name}", getattr(result.mesh, name))
                 for name in _STATES:
@@ -97,6 +100,14 @@ def _write_motion(file: Any, motion: MotionRecord) -> None:
         dataset = _write(file, f"motion/history/{name}", motion.history[name])
         dataset.attrs["unit"] = unit
         dataset.attrs["description"] = text
+
+
+def _write_text(file: Any, name: str, text: str) -> None:
+    """Text of a fixed length: that of a variable one is announced where nothing checks it."""
+    import h5py
+
+    data = text.encode()
+    file.create_dataset(name, data=data, dtype=h5py.string_dtype("utf-8", len(data)))
 
 
 def _write(file: Any, name: str, data: NDArray[Any]) -> Any:
@@ -127,8 +138,8 @@ def read_result(path: Path) -> dict[str, Any]:
                     "this result was written by a newer sheetmorph; update to read it", file=path
                 )
             parts: dict[str, Any] = {
-                "design": str(file["design"].asstr()[()]),
-                "summary": json.loads(file["summary"].asstr()[()]),
+                "design": _read_text(file, "design", path),
+                "summary": json.loads(_read_text(file, "summary", path)),
                 "mesh": {name: _read(file, f"mesh/{name}") for name in _MESH},
             }
             parts |= {name: _read(file, f"states/{name}") for name in _STATES}
@@ -146,8 +157,24 @@ def read_result(path: Path) -> dict[str, Any]:
     return parts
 
 
+def _read_text(file: Any, name: str, path: Path) -> str:
+    """A text; one that announces more bytes than the file has is refused before it is read."""
+    dataset = file[name]
+    announced = dataset.dtype.itemsize
+    if dataset.dtype.kind == "O":  # of variable length, as they were written once
+        place = dataset.id.get_offset()
+        with path.open("rb") as stream:
+            stream.seek(place or 0)
+            announced = int.from_bytes(stream.read(4), "little")
+    if announced > path.stat().st_size or dataset.shape != ():
+        raise InputError(f"{name} announces {announced} bytes; the file is damaged", file=path)
+    return str(dataset.asstr()[()])
+
+
 def _read(file: Any, name: str) -> NDArray[Any]:
     dataset = file[name]
+    if dataset.size * dataset.dtype.itemsize > MOST_PACKED * dataset.id.get_storage_size() + 4096:
+        raise InputError(f"{name} announces more than the file holds; the file is damaged")
     if dataset.size > MAX_VALUES:
         raise InputError(f"{name} announces {dataset.size} values", allowed=f"≤ {MAX_VALUES}")
     if dataset.dtype.kind not in "fiub":

@@ -11,6 +11,7 @@ import numpy as np
 
 from sheetmorph import __version__
 from sheetmorph.core.events import Event, Listener, Notice, Progress, Started, StateReached, silent
+from sheetmorph.core.machine import surroundings
 from sheetmorph.design.spec import Design
 from sheetmorph.geometry import surface
 from sheetmorph.geometry.crossings import crossing_pairs
@@ -108,7 +109,7 @@ def simulate(
     solved = perf_counter() - start - aside.seconds
     result = result_of(problem, path, system, linear.name)
     if path.status is Status.STEP_TOO_SMALL:
-        _explain(result)
+        explain(result)
     elif path.status is Status.COMPLETED:
         _tell_of_guard(result)
     result.summary["seconds"] = seconds_of(system.work, solved, perf_counter() - began)
@@ -208,6 +209,7 @@ def result_of(
         "energy_J": {**energies, "total": sum(energies.values())},
         "version": __version__,
         "design_hash": problem.design.hash,
+        "computed_with": surroundings(max(1, problem.design.solver.threads)),
     }
     return Result(
         design=problem.design,
@@ -245,7 +247,7 @@ COLLAPSED = np.deg2rad(8.0)
 """Smallest angle of a deformed triangle below which it counts as collapsed."""
 
 
-def _explain(result: Result) -> None:
+def explain(result: Result) -> None:
     """Say so when the path ended because the sheet left the reach of the model."""
     state, mesh = result.positions[-1], result.mesh
     angles = np.abs(result.dihedral[-1])

@@ -55,6 +55,7 @@ def solve(task: Task) -> Outcome:
             found = {"status": ERROR, "reason": f"{type(error).__name__}: {error}", "remedy": ""}
         else:
             summary = dict(result.summary)
+            summary.pop("computed_with")  # of the worker: the table is the same on all of them
             found = {
                 "status": summary.pop("status"),
                 "reason": summary.pop("detail"),
