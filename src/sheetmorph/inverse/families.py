@@ -136,22 +136,27 @@ class Space:
         design = Design.from_toml(text)
         if self.overrides:
             design = design.with_values(self.overrides)
-        return coarsened(design, FINE / COARSE) if coarse else design
+        return coarsened(design, values[SIZE] / COARSE) if coarse else design
 
     def spread(self, point: Sequence[float]) -> Floats:
         """Points spread over the sheet [m], shape (n, 2): each the same place of all designs."""
         return self.family.spread(self.values(point))
 
 
-def coarsened(design: Design, factor: float) -> Design:
+def coarsened(design: Design, wanted: float) -> Design:
     """The design on a mesh with longer edges, as stiff against stretching as before.
 
     In the published model's energy the stretching stiffness per area grows with the length of
     the edges, and that against bending does not.
+
+    Args:
+        design: on its own mesh.
+        wanted: mean edge length [m]; a mesh that is as coarse as this stays.
     """
     size = design.spec.mesh.size
-    if size is None:
+    if size is None or size >= wanted:
         return design
+    factor = wanted / size
     keys: dict[str, object] = {"mesh.size": f"{1e3 * factor * size:.6g} mm"}
     options = design.published
     if not design.laminate and options.stretch_stiffness == "scaled_by_edge_length":

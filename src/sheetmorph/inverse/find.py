@@ -179,19 +179,25 @@ def _searched(
         rough += [*found, *siblings(evaluations, space, found[0])]
     watch.begin_fine()
     kinds = _one_of_each_kind(rough, spaces)[: options.descents + 2]
-    begun = (
-        kinds if options.sheet else [slide(evaluations, spaces[one.family], one) for one in kinds]
-    )
-    own = evaluations.many([Job(one.family, one.point, coarse=False) for one in begun])
-    fine = sorted((one for one in own if one.completed), key=_order)
-    for one in fine[: options.descents]:
-        if min(done.distance for done in fine) > options.accuracy:
+    fine: list[Evaluation] = []
+    for one in kinds:
+        if _near_enough(fine, options):
+            break
+        begin = one if options.sheet else slide(evaluations, spaces[one.family], one)
+        own = evaluations(Job(begin.family, begin.point, coarse=False))
+        fine += [own] if own.completed else []
+    for one in sorted(fine, key=_order)[: options.descents]:
+        if not _near_enough(fine, options):
             fine.append(descend(evaluations, spaces[one.family], one, options.accuracy))
     if not fine:
         raise ComputationError(
             "no design of the family reached its end; try another family, or other bounds by --fix"
         )
     return min(fine, key=_order)
+
+
+def _near_enough(found: list[Evaluation], options: SearchOptions) -> bool:
+    return any(one.distance <= options.accuracy for one in found)
 
 
 def _order(one: Evaluation) -> tuple[float, str, tuple[float, ...]]:
@@ -215,7 +221,7 @@ def fingerprint_of(target: Target, options: SearchOptions) -> str:
 
 
 def _space(name: str, target: Target, options: SearchOptions) -> Space:
-    return space_of(
+    space = space_of(
         find_family(name),
         target.width,
         options.limits,
@@ -223,6 +229,9 @@ def _space(name: str, target: Target, options: SearchOptions) -> Space:
         fixed=options.fixed,
         overrides=options.overrides,
     )
+    if options.overrides:  # what no design allows is told now, and not by each of them
+        space.design(tuple(0.5 * (space.low + space.high)), "middle")
+    return space
 
 
 def _name(target: Target, family: str) -> str:

@@ -14,6 +14,8 @@ if TYPE_CHECKING:
 
 _EXACT = 0.999
 """A width counts as met from this share of it: contours are polygons."""
+_CORNER = 0.35
+"""Leftovers below this fraction of a width squared are corners, not narrow places."""
 
 
 @dataclass(frozen=True)
@@ -85,7 +87,7 @@ def measured(design: Design, limits: Limits) -> Made:
     pieces = len(shapely.get_parts(pattern))
     inert = float(pattern.area / layout.sheet.area)
     least = _EXACT * limits.minimum_width
-    narrow = max(narrow_share(pattern, least), _inner_gaps(gaps, least))
+    narrow = max(narrow_share(pattern, least), narrow_share(gaps, least))
     order = design.symmetry.order if limits.symmetry > 1 else None
     broken = []
     if narrow > 0.0:
@@ -105,28 +107,17 @@ def measured(design: Design, limits: Limits) -> Made:
 
 
 def narrow_share(region: BaseGeometry, width: float) -> float:
-    """Share of a region that no disc of this diameter [m], rolling inside it, comes near.
+    """Share of a region that no disc of this diameter [m], rolling inside it, reaches.
 
-    What a disc leaves in a corner is not counted, down to corners of 23 degrees.
+    What it leaves in a corner is not counted, down to corners of about 43 degrees.
     """
-    left = unreached(region, width)
-    return float(left.area / region.area) if region.area > 0.0 else 0.0
-
-
-def unreached(region: BaseGeometry, width: float) -> BaseGeometry:
-    """What of a region is narrower than a width [m]."""
     import shapely
 
+    if region.area <= 0.0:
+        return 0.0
     radius = 0.4995 * width
-    core = shapely.buffer(region, -radius, join_style="mitre", mitre_limit=5.0)
-    painted = shapely.buffer(core, 1.002 * radius, join_style="mitre", mitre_limit=5.0)
-    parts = shapely.get_parts(shapely.difference(region, painted))
-    return shapely.union_all([part for part in parts if part.area > 0.1 * width**2])
-
-
-def _inner_gaps(gaps: BaseGeometry, width: float) -> float:
-    """The same of the film between ribs; slivers along the rim of the sheet are no gaps."""
-    import shapely
-
-    left = [part for part in shapely.get_parts(unreached(gaps, width)) if part.area > 0.0]
-    return float(sum(part.area for part in left) / gaps.area) if left and gaps.area > 0.0 else 0.0
+    core = shapely.buffer(region, -radius, quad_segs=16)
+    reached = shapely.buffer(core, 1.002 * radius, quad_segs=16)
+    parts = shapely.get_parts(shapely.difference(region, reached))
+    left = sum(part.area for part in parts if part.area > _CORNER * width**2)
+    return float(left / region.area)

@@ -18,6 +18,10 @@ from sheetmorph.inverse.plans import SPREAD, Plan
 SHARE = "inert_share"
 _LOW, _HIGH = 0.8, 1.25
 """Bounds of the sheet's size, in sizes of the graded film."""
+_PLACES = (
+    np.array([[4, 1, 1], [1, 4, 1], [1, 1, 4], [2, 2, 2], [3, 2, 1], [3, 1, 2], [1, 3, 2]]) / 6.0
+)
+"""Places in a triangle, by the shares of its corners, at which its strain is looked at."""
 _FINEST = 2e-5
 """Contours are drawn to this [m]."""
 
@@ -95,10 +99,11 @@ class Threshold:
         a, b, c = (self.nodes[self.triangles[:, k]] for k in range(3))
         u, v = b - a, c - a
         areas = 0.5 * np.abs(u[:, 0] * v[:, 1] - u[:, 1] * v[:, 0])
-        mean = self.strain[self.triangles].mean(axis=1)
-        order = np.argsort(-mean)
+        inside = (self.strain[self.triangles] @ _PLACES.T).ravel()
+        areas = np.repeat(areas, len(_PLACES))
+        order = np.argsort(-inside)
         reached = np.cumsum(areas[order]) / areas.sum()
-        return float(np.interp(share, reached, mean[order]))
+        return float(np.interp(share, reached, inside[order]))
 
 
 def _above(points: Floats, heights: Floats) -> list[Floats]:
