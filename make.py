@@ -89,7 +89,8 @@ def oldest() -> int:
     constraints.write_text("\n".join(pinned) + "\n")
     run(python, "-m", "pip", "install", "--quiet", "--editable", ".[dev]", "-c", constraints)
     tests = (f"tests/{name}" for name in TRIAL)
-    return run(python, "-m", "pytest", "-q", "-n", "auto", "-m", "not slow", *tests, check=False)
+    options = ("-q", "-n", "auto", "-m", "not slow", "-W", "ignore::DeprecationWarning")
+    return run(python, "-m", "pytest", *options, *tests, check=False)
 
 
 def wheel() -> int:
