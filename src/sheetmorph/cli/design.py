@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -212,7 +213,10 @@ def _processes(workers: int | None, scheduler: str | None) -> int:
     if scheduler is not None:
         return 1
     if workers is None:
-        return min(os.cpu_count() or 1, MOST_WORKERS)
+        from sheetmorph.sweep.cluster import usual_workers
+
+        there = find_spec("distributed") is not None  # of the extra; one process needs none
+        return min(usual_workers(), MOST_WORKERS) if there else 1
     if not 1 <= workers <= 1024:
         raise InputError(
             "must be a whole number", key="--workers", value=workers, allowed="1 to 1024"
