@@ -93,7 +93,13 @@ def options_of(command: str) -> str:
 
 def help_of(command: click.Command, name: str) -> str:
     """The help of one command."""
-    context = click.Context(command, info_name=name, max_content_width=88, terminal_width=88)
+    context = click.Context(
+        command,
+        info_name=name,
+        max_content_width=88,
+        terminal_width=88,
+        help_option_names=["-h", "--help"],
+    )
     return command.get_help(context)
 
 
