@@ -74,8 +74,8 @@ def find_again(number: int) -> tuple[float, str]:
     sized = Target(target.name, target.surface, target.text)
     options = SearchOptions(
         families=(FAMILY_OF[number],),
-        budget=36,
-        descents=1,
+        budget=60,
+        descents=2,
         accuracy=0.007,
         overrides=MESH,
         seed=number,

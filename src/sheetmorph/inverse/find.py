@@ -9,6 +9,8 @@ from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from time import perf_counter
 
+import numpy as np
+
 from sheetmorph.core.errors import ComputationError, InputError
 from sheetmorph.core.events import Listener, Notice, Progress, Started, silent
 from sheetmorph.design.spec import Design
@@ -35,7 +37,8 @@ from sheetmorph.inverse.targets import Target
 from sheetmorph.study.result import Result
 from sheetmorph.study.simulate import simulate
 
-MOST_WORKERS = 1024
+APART = 0.15
+"""Share of the bounds by which two starts of the same kind differ at least."""
 Better = Callable[[Design, Evaluation, tuple[Step, ...]], None]
 """Told of every design that is better than all before, and of those before it."""
 
@@ -178,9 +181,9 @@ def _searched(
         found = evolve(evaluations, space, options.budget, options.seed)
         rough += [*found, *siblings(evaluations, space, found[0])]
     watch.begin_fine()
-    kinds = _one_of_each_kind(rough, spaces)[: options.descents + 2]
+    starts = _starts(rough, spaces, options.descents + 2)
     fine: list[Evaluation] = []
-    for one in kinds:
+    for one in starts:
         if _near_enough(fine, options):
             break
         begin = one if options.sheet else slide(evaluations, spaces[one.family], one)
@@ -239,14 +242,30 @@ def _name(target: Target, family: str) -> str:
     return "".join(c if c.isalnum() or c in " ._+-" else "-" for c in words)[:100].lstrip(" ._+-")
 
 
-def _one_of_each_kind(rough: list[Evaluation], spaces: Mapping[str, Space]) -> list[Evaluation]:
-    """The best of each family and choice of whole numbers, best first."""
+def _starts(rough: list[Evaluation], spaces: Mapping[str, Space], count: int) -> list[Evaluation]:
+    """Where to go down from: the best of each family and choice of whole numbers, best first.
+
+    Where these are fewer than wanted, others that are not near to them.
+    """
     kinds: dict[tuple[object, ...], Evaluation] = {}
-    for one in sorted((one for one in rough if one.completed), key=_order):
+    done = sorted((one for one in rough if one.completed), key=_order)
+    for one in done:
         pairs = zip(spaces[one.family].parameters, one.point, strict=True)
         kind = (one.family, *(value for parameter, value in pairs if parameter.whole))
         kinds.setdefault(kind, one)
-    return list(kinds.values())
+    chosen = list(kinds.values())[:count]
+    for one in done:
+        if len(chosen) < count and all(_apart(one, other, spaces) for other in chosen):
+            chosen.append(one)
+    return chosen
+
+
+def _apart(one: Evaluation, other: Evaluation, spaces: Mapping[str, Space]) -> bool:
+    if one.family != other.family:
+        return True
+    space = spaces[one.family]
+    steps = abs(np.array(one.point) - other.point) / (space.high - space.low)
+    return bool(steps.max() > APART)
 
 
 class _Watch:
