@@ -39,9 +39,13 @@ def tab(studio: Running) -> Iterator[Tab]:
     opened.socket.close()
 
 
-@pytest.fixture(scope="session")
+@pytest.fixture(scope="module")
 def chromium() -> Iterator[Any]:
-    """Chromium; tests are skipped where it is missing."""
+    """Chromium; tests are skipped where it is missing.
+
+    Not longer than a module: Playwright keeps an event loop in this thread, beside which no other
+    test could start one.
+    """
     from playwright.sync_api import sync_playwright
 
     if not Path(CHROMIUM).exists():

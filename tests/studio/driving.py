@@ -37,15 +37,15 @@ class Running:
     def host(self) -> str:
         return self.address.split("//")[1].split("/")[0]
 
-    def children(self) -> list[int]:
-        """Process numbers of its workers."""
+    def children(self, which: str = "studio.worker") -> list[int]:
+        """Process numbers of its workers; with "--warm" of those that solve."""
         found = subprocess.run(
             ["ps", "-o", "pid=,args=", "--ppid", str(self.process.pid)],
             capture_output=True,
             text=True,
             check=False,
         ).stdout
-        return [int(line.split()[0]) for line in found.splitlines() if "studio.worker" in line]
+        return [int(line.split()[0]) for line in found.splitlines() if which in line]
 
     def request(
         self, path: str, data: bytes | None = None, **headers: str

@@ -8,13 +8,14 @@ from __future__ import annotations
 import json
 import zipfile
 from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 import trimesh
-from driving import SHOTS, Running, start_studio, stop_studio
+from driving import SHOTS, Running, open_tab
 
 import sheetmorph as sm
 
@@ -80,8 +81,14 @@ def change(page: Any, key: str, value: str) -> None:
     field.press("Enter")
 
 
-def solved(page: Any) -> None:
-    expect(page.locator("#state")).to_have_text("solved", timeout=PATIENCE)
+@contextmanager
+def resolved(page: Any) -> Iterator[None]:
+    """Do something that is answered by another shape, and wait for it."""
+    state = page.locator("#state")
+    before = state.get_attribute("data-solved")
+    yield
+    expect(state).not_to_have_attribute("data-solved", str(before), timeout=PATIENCE)
+    expect(state).to_have_text("solved", timeout=PATIENCE)
 
 
 def listed(card: Any) -> dict[str, str]:
@@ -95,16 +102,15 @@ def test_from_preset_to_a_valid_file(open_page: Open, tmp_path: Path) -> None:
     page.click("#presets")
     page.get_by_role("button", name="Petals").wait_for()
     shot(page, "presets")
-    page.get_by_role("button", name="Petals").click()
+    with resolved(page):
+        page.get_by_role("button", name="Petals").click()
     expect(page.locator("#name")).to_have_text("petals")
-    solved(page)
     before, image = ratio(page), pixels(page)
     shot(page, "petals")
 
-    change(page, "pattern.0.half_width", "9")  # wider arms
-    page.wait_for_timeout(50)
-    solved(page)
-    expect(page.locator("#numbers .lead dd")).not_to_have_text(str(before))
+    with resolved(page):
+        change(page, "pattern.0.half_width", "9")  # wider arms
+    assert ratio(page) != before
     assert np.abs(pixels(page) - image).mean() > 1.0  # another shape is on the canvas
     wide = ratio(page)
 
@@ -151,15 +157,15 @@ def test_dragging_a_handle_shows_previews_and_then_the_shape(open_page: Open) ->
         page.mouse.move(x - 5 * step, y + 3)
         page.wait_for_timeout(60)
     shot(page, "dragging")
-    page.mouse.up()
-    solved(page)
+    with resolved(page):
+        page.mouse.up()
     expect(page.locator("#undo")).to_be_enabled()
     length = float(page.locator('#groups [data-key="pattern.0.arm_length"]').input_value())
     assert 8.0 < length < 15.5
     assert ratio(page) != before
-    page.keyboard.press("Control+z")
+    with resolved(page):
+        page.keyboard.press("Control+z")
     expect(page.locator('#groups [data-key="pattern.0.arm_length"]')).to_have_value("16")
-    solved(page)
     assert ratio(page) == before
 
 
@@ -167,10 +173,10 @@ def test_the_keyboard_alone_is_enough(open_page: Open) -> None:
     page = open_page()
     handle = page.get_by_role("slider", name="Star: half width")
     handle.focus()
-    for _ in range(2):
-        page.keyboard.press("ArrowUp")
-    expect(page.locator('#groups [data-key="pattern.0.half_width"]')).to_have_value("4")
-    solved(page)
+    with resolved(page):
+        for _ in range(2):
+            page.keyboard.press("ArrowUp")
+        expect(page.locator('#groups [data-key="pattern.0.half_width"]')).to_have_value("4")
     expect(page.locator(".handle:focus")).to_have_attribute("data-key", "pattern.0.half_width")
     page.locator("#canvas").focus()
     image = pixels(page)
@@ -204,8 +210,8 @@ def test_wrong_values_and_broken_drawings_are_told(open_page: Open, tmp_path: Pa
     row = page.locator('.row:has([data-key="pattern.0.half_width"])')
     expect(row.locator(".why")).to_contain_text("out of range")
     shot(page, "wrong-value")
-    change(page, "pattern.0.half_width", "3.5")
-    solved(page)
+    with resolved(page):
+        change(page, "pattern.0.half_width", "3.5")
     expect(row.locator(".why")).to_have_count(0)
     broken = tmp_path / "broken.svg"
     broken.write_text("<svg><path d='M 0 0 L", encoding="utf-8")
@@ -214,7 +220,7 @@ def test_wrong_values_and_broken_drawings_are_told(open_page: Open, tmp_path: Pa
     shot(page, "broken-drawing")
     page.set_input_files("#picker", files=[{"name": "x.exe", "mimeType": "", "buffer": b"MZ"}])
     expect(page.locator("#toast")).to_contain_text("nothing that the studio reads")
-    solved(page)
+    expect(page.locator("#state")).to_have_text("solved")
 
 
 def test_a_drawing_becomes_sheet_and_pattern(open_page: Open) -> None:
@@ -228,9 +234,9 @@ def test_a_drawing_becomes_sheet_and_pattern(open_page: Open) -> None:
     expect(page.locator("#role-sheet")).to_have_value("sheet")
     expect(page.locator("#role-pattern")).to_have_value("pattern")
     shot(page, "drawing")
-    page.click("#dialog-buttons .primary")
+    with resolved(page):
+        page.click("#dialog-buttons .primary")
     expect(page.locator("#groups")).to_contain_text("Sheet: Polygon")
-    solved(page)
     assert page.locator("#numbers").inner_text().count("stable") == 1
     shot(page, "from-drawing")
 
@@ -246,10 +252,10 @@ def test_a_scan_is_laid_over_the_shape(
     page = open_page(color_scheme="dark")
     page.set_input_files("#picker", file)
     page.locator("#scan-unit").select_option("mm")
-    page.click("#dialog-buttons .primary")
     card = page.locator("#scan")
-    expect(card).to_be_visible(timeout=60_000)
-    solved(page)
+    with resolved(page):
+        page.click("#dialog-buttons .primary")
+        expect(card).to_be_visible(timeout=60_000)
     numbers = listed(card)
     assert float(numbers["SSIM when compared"]) > 0.9
     assert float(numbers["now: r.m.s. distance"].split()[0]) < 0.3
@@ -257,9 +263,8 @@ def test_a_scan_is_laid_over_the_shape(
     expect(page.locator("#legend")).to_contain_text("Distance to scan")
     shot(page, "scan-dark")
     close = float(numbers["now: r.m.s. distance"].split()[0])
-    change(page, "actuation.eps_pre", "-0.2")
-    page.wait_for_timeout(100)
-    solved(page)
+    with resolved(page):
+        change(page, "actuation.eps_pre", "-0.2")
     after = listed(card)
     assert float(after["now: r.m.s. distance"].split()[0]) > 2 * close
 
@@ -268,9 +273,8 @@ def test_two_tabs_and_both_themes(open_page: Open) -> None:
     light, dark = open_page(color_scheme="light"), open_page(color_scheme="dark")
     for name, page in (("light", light), ("dark", dark)):
         assert page.evaluate("() => document.documentElement.dataset.theme") == name
-    change(light, "actuation.eps_pre", "-0.2")
-    light.wait_for_timeout(100)
-    solved(light)
+    with resolved(light):
+        change(light, "actuation.eps_pre", "-0.2")
     assert ratio(light) != ratio(dark)
     expect(dark.locator('#groups [data-key="actuation.eps_pre"]')).to_have_value("-0.4")
     for name, page in (("light", light), ("dark", dark)):
@@ -291,37 +295,27 @@ def test_two_tabs_and_both_themes(open_page: Open) -> None:
 def test_up_and_down_bend_opposite_ways(open_page: Open) -> None:
     page = open_page()
     page.click("#presets")
-    page.get_by_role("button", name="Petals").click()
+    with resolved(page):
+        page.get_by_role("button", name="Petals").click()
     expect(page.locator("#name")).to_have_text("petals")
-    solved(page)
     page.locator("#field").select_option("height")
     ends = page.locator("#legend li")
     assert float(ends.first.inner_text()) > 40.0
-    page.click("#down")
+    with resolved(page):
+        page.click("#down")
     expect(page.locator("#down")).to_have_attribute("aria-pressed", "true")
-    solved(page)
     assert float(ends.last.inner_text().replace("−", "-")) < -40.0
 
 
-@pytest.mark.slow
-def test_the_page_comes_back_when_the_studio_is_started_anew(chromium: Any, tmp_path: Path) -> None:
-    """The design in the tab is not lost with the server."""
-    first = start_studio(tmp_path)
-    port = first.host.split(":")[1]
-    context = chromium.new_context(viewport={"width": 1280, "height": 720})
-    page = context.new_page()
-    page.goto(first.address)
-    expect(page.locator("#state")).to_have_text("solved", timeout=PATIENCE)
-    change(page, "actuation.eps_pre", "-0.25")
-    page.wait_for_timeout(100)
-    solved(page)
-    stop_studio(first)
-    expect(page.locator("#state")).to_contain_text("no connection")
-    second = start_studio(tmp_path, "--port", port)
-    try:
-        solved(page)
-        field = page.locator('#groups [data-key="actuation.eps_pre"]')
-        expect(field).to_have_value("-0.25", timeout=PATIENCE)
-    finally:
-        context.close()
-        stop_studio(second)
+def test_a_tab_whose_server_forgot_it_brings_its_design(open_page: Open, studio: Running) -> None:
+    """As after a restart of the studio: the name of the tab is new to the server."""
+    page = open_page()
+    with resolved(page):
+        change(page, "actuation.eps_pre", "-0.25")
+    name = page.evaluate("() => sessionStorage.getItem('tab')")
+    with resolved(page):
+        thief = open_tab(studio, name)
+    assert page.evaluate("() => sessionStorage.getItem('tab')") != name
+    field = page.locator('#groups [data-key="actuation.eps_pre"]')
+    expect(field).to_have_value("-0.25", timeout=PATIENCE)
+    thief.socket.close()

@@ -6,7 +6,8 @@ import socket
 from pathlib import Path
 
 import pytest
-from driving import SMALL, start_studio, stop_studio
+from driving import SMALL, open_tab, start_studio, stop_studio
+from websockets.exceptions import ConnectionClosed, InvalidStatus
 
 from sheetmorph.cli import main
 from sheetmorph.studio import bundle
@@ -62,8 +63,22 @@ def test_three_js_is_where_it_is_looked_for() -> None:
         assert name in exports
 
 
-def test_ctrl_c_ends_server_and_workers(tmp_path: Path) -> None:
-    studio = start_studio(tmp_path)
+def test_a_token_is_asked_for_and_ctrl_c_ends_server_and_workers(tmp_path: Path) -> None:
+    """One studio for both, because starting takes seconds."""
+    studio = start_studio(tmp_path, "--token")
+    query = "?" + studio.address.split("?")[1]
+    assert len(query) > 30
+    assert studio.request("/")[0] == 401
+    assert studio.request("/page/main.js?token=wrong")[0] == 401
+    status, _, headers = studio.request("/" + query)
+    assert status == 200
+    cookie = headers["set-cookie"].split(";")[0]
+    assert studio.request("/page/main.js", Cookie=cookie)[0] == 200
+    with pytest.raises((InvalidStatus, ConnectionClosed)):
+        open_tab(studio).socket.recv(5)
+    tab = open_tab(studio, Cookie=cookie)
+    tab.solved()
+    tab.socket.close()
     workers = studio.children()
     code, said = stop_studio(studio)
     assert code in (0, 130)

@@ -10,7 +10,7 @@ import zipfile
 from pathlib import Path
 
 import pytest
-from driving import Running, Tab, open_tab, start_studio, stop_studio
+from driving import Running, Tab, open_tab
 from small import SMALL
 from websockets import Origin
 from websockets.exceptions import ConnectionClosed, InvalidStatus
@@ -59,17 +59,14 @@ def test_a_broken_drawing_is_told_in_words(tab: Tab) -> None:
     assert tab.solved()["numbers"]["status"] == "completed"
 
 
-@pytest.mark.parametrize(
-    ("what", "name"),
-    [
-        *(("drawing", name) for name in ("a.exe", "a", "a.svg.exe", ".svg/", "a.toml", "a.pkl")),
-        *(("scan", name) for name in ("a.svg", "a.stl.zip", "a.npz", "a.pickle")),
-    ],
-)
-def test_other_kinds_of_files_are_refused(tab: Tab, what: str, name: str) -> None:
-    status, answer = tab.upload(what, name, b"data")
-    assert status == 400
-    assert "no " + what in answer["error"]
+def test_other_kinds_of_files_are_refused(tab: Tab) -> None:
+    for what, names in (
+        ("drawing", ("a.exe", "a", "a.svg.exe", ".svg/", "a.toml", "a.pkl")),
+        ("scan", ("a.svg", "a.stl.zip", "a.npz", "a.pickle")),
+    ):
+        for name in names:
+            status, answer = tab.upload(what, name, b"data")
+            assert (status, f"no {what}" in answer["error"]) == (400, True), name
 
 
 def test_files_that_are_too_large_or_empty_are_refused(tab: Tab) -> None:
@@ -142,24 +139,6 @@ def test_names_of_tabs_are_checked(studio: Running) -> None:
         open_tab(studio, name="A-b.c").socket.recv(5)
     path, own = "/upload/nobody/drawing?name=a.svg", f"http://{studio.host}"
     assert studio.request(path, b"x", Origin=own)[0] == 404
-
-
-def test_with_a_token_nothing_is_served_without_it(tmp_path: Path) -> None:
-    studio = start_studio(tmp_path, "--token")
-    query = "?" + studio.address.split("?")[1]
-    assert len(query) > 30
-    assert studio.request("/")[0] == 401
-    assert studio.request("/page/main.js?token=wrong")[0] == 401
-    status, _, headers = studio.request("/" + query)
-    assert status == 200
-    cookie = headers["set-cookie"].split(";")[0]
-    assert studio.request("/page/main.js", Cookie=cookie)[0] == 200
-    with pytest.raises((InvalidStatus, ConnectionClosed)):
-        open_tab(studio).socket.recv(5)
-    tab = open_tab(studio, Cookie=cookie)
-    tab.solved()
-    tab.socket.close()
-    stop_studio(studio)
 
 
 def test_nothing_is_unpickled_or_evaluated() -> None:

@@ -22,7 +22,7 @@ def test_many_tabs_and_changes_leave_no_memory_behind(studio: Running) -> None:
     spec.loader.exec_module(soak)
     sys.path[:] = before
     said: list[str] = []
-    grown = soak.soak(studio, tabs=5, changes=40, say=said.append)
+    grown = soak.soak(studio, tabs=3, changes=24, say=said.append)
     assert grown <= soak.ALLOWED, said
     tab = open_tab(studio)
     assert tab.solved()["numbers"]["status"] == "completed"

@@ -50,7 +50,8 @@ class View:
         """What Jupyter shows: the page in a frame of its own."""
         return (
             f'<iframe title="The sheet in space" srcdoc="{html.escape(self.page)}" '
-            f'style="width: 100%; height: {self.height}px; border: 1px solid #ddd8cc"></iframe>'
+            f'style="box-sizing: border-box; width: 100%; height: {self.height}px; '
+            f'border: 1px solid #ddd8cc"></iframe>'
         )
 
     def __repr__(self) -> str:

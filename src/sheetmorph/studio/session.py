@@ -291,4 +291,8 @@ class Session:
             self._want(Wish(commit=False))  # the shape with its distances to the scan
 
     def _steps(self) -> dict[str, bool]:
-        return {"undo": self.history.can_undo, "redo": self.history.can_redo}
+        return {
+            "undo": self.history.can_undo,
+            "redo": self.history.can_redo,
+            "saved": self.history.text == self.saved,
+        }

@@ -13,6 +13,7 @@ import { play } from "./tools.js";
 import { look, retheme } from "./view.js";
 import { connect, on, order } from "./wire.js";
 
+let file = null; // the name of the file that is saved to
 let text = null; // the newest design, to go on with when the server was started anew
 
 on("design", (head) => {
@@ -23,11 +24,18 @@ on("design", (head) => {
 on("history", (head) => {
   $("undo").disabled = !head.undo;
   $("redo").disabled = !head.redo;
+  mark(head.saved);
 });
 on("hello", (head) => {
-  $("file").textContent = head.file ?? "";
+  file = head.file;
   if (head.fresh && text) order("open", { text });
 });
+
+on("saved", () => mark(true));
+
+function mark(saved) {
+  $("file").textContent = file ? `${file}${saved ? "" : " · not saved"}` : "";
+}
 
 $("undo").onclick = () => order("undo");
 $("redo").onclick = () => order("redo");

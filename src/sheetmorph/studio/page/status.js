@@ -40,7 +40,9 @@ on("checked", (head) => {
   warnings.push(...head.warnings);
   log();
 });
+let solved = 0;
 on("settled", (head) => {
+  if (!head.drag) chip.dataset.solved = ++solved; // how many changes have been answered
   if (problem) state("not solved: see the message", "bad");
   else if (!head.drag) state(shown.head?.numbers.status === "completed" ? "solved" : "stopped early", shown.head?.numbers.status === "completed" ? "" : "bad");
 });
