@@ -186,9 +186,11 @@ def _searched(
     for one in starts:
         if _near_enough(fine, options):
             break
-        begin = one if options.sheet else slide(evaluations, spaces[one.family], one)
-        own = evaluations(Job(begin.family, begin.point, coarse=False))
-        fine += [own] if own.completed else []
+        slid = one if options.sheet else slide(evaluations, spaces[one.family], one)
+        # A smeared pattern that is narrow may mislead: the start itself stays in the race.
+        tries = [Job(one.family, point, coarse=False) for point in {one.point: 0, slid.point: 0}]
+        own = [found for found in evaluations.many(tries) if found.completed]
+        fine += [min(own, key=_order)] if own else []
     for one in sorted(fine, key=_order)[: options.descents]:
         if not _near_enough(fine, options):
             fine.append(descend(evaluations, spaces[one.family], one, options.accuracy))
