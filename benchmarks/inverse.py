@@ -1,7 +1,8 @@
-"""Inverse design: hidden designs found again, and three shapes on order.
+"""Inverse design: hidden designs found again, and four shapes on order.
 
-    python benchmarks/inverse.py hidden [--part K/N]   # 20 shapes of designs drawn by chance
-    python benchmarks/inverse.py orders                # a bowl, a saddle, a canoe, with `fabricate`
+    python benchmarks/inverse.py hidden [--part K/N] [--budget 60 --descents 2]
+                                                       # 20 shapes of designs drawn by chance
+    python benchmarks/inverse.py orders                # bowls, a saddle, a canoe, with `fabricate`
 
 Writes a table, one line as each is done; the folders of `orders` go to benchmarks/results/inverse.
 """
@@ -33,10 +34,10 @@ MESH = {"mesh.size": "5 mm"}
 """Of the hidden designs and of those that are found: 300 to 500 nodes."""
 GOOD = 0.01
 ORDERS = (
-    ("bowl:0.5", "free", ()),
-    ("bowl:0.35", "star", ()),
-    ("saddle:0.4", "ring", ()),
-    ("canoe:2.0:0.35", "free", ()),
+    ("bowl:0.5", "free", ("--budget", "60", "--descents", "1")),
+    ("bowl:0.35", "star", ("--budget", "60", "--descents", "1")),
+    ("saddle:0.4", "free", ("--budget", "24", "--descents", "1", "--steps", "4")),
+    ("canoe:2.0:0.35", "canoe", ("--budget", "36", "--descents", "1", "--set", "mesh.size=5 mm")),
 )
 
 
@@ -66,7 +67,7 @@ def hidden(number: int) -> tuple[Target, Space, tuple[float, ...]]:
     )
 
 
-def find_again(number: int) -> tuple[float, str]:
+def find_again(number: int, budget: int = 60, descents: int = 2) -> tuple[float, str]:
     """The distance that is left, and a line of the table."""
     target, _, values = hidden(number)
     own = shape_width(target)
@@ -74,8 +75,8 @@ def find_again(number: int) -> tuple[float, str]:
     sized = Target(target.name, target.surface, target.text)
     options = SearchOptions(
         families=(FAMILY_OF[number],),
-        budget=60,
-        descents=2,
+        budget=budget,
+        descents=descents,
         accuracy=0.007,
         overrides=MESH,
         seed=number,
@@ -113,14 +114,14 @@ def _names(number: int) -> list[str]:
     return [one.name for one in space_of(FAMILIES[FAMILY_OF[number]], WIDTH, Limits()).parameters]
 
 
-def run_hidden(part: str) -> None:
+def run_hidden(part: str, budget: int, descents: int) -> None:
     """Find the hidden designs of one part of the list."""
     mine, parts = (int(text) for text in part.split("/"))
     numbers = [k for k in range(len(FAMILY_OF)) if k % parts == mine - 1]
     print("| # | family | distance [%] | h/d | found (hidden) | designs | processor [s] | [s] |")
     distances = []
     for number in numbers:
-        distance, line = find_again(number)
+        distance, line = find_again(number, budget, descents)
         distances.append(distance)
         print(line, flush=True)
     good = sum(one < GOOD for one in distances)
@@ -153,9 +154,11 @@ def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("what", choices=("hidden", "orders"))
     parser.add_argument("--part", default="1/1")
+    parser.add_argument("--budget", type=int, default=60)
+    parser.add_argument("--descents", type=int, default=2)
     given = parser.parse_args()
     if given.what == "hidden":
-        run_hidden(given.part)
+        run_hidden(given.part, given.budget, given.descents)
     else:
         run_orders()
     return 0
