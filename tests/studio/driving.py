@@ -99,10 +99,10 @@ class Tab:
     arrays: dict[str, np.ndarray[Any, Any]] = field(default_factory=dict)
     shape: np.ndarray[Any, Any] = field(default_factory=lambda: np.zeros((0, 3)))
 
-    def order(self, what: str, **more: object) -> None:
-        self.socket.send(json.dumps({"do": what, **more}))
+    def order(self, do: str, **more: object) -> None:
+        self.socket.send(json.dumps({"do": do, **more}))
 
-    def wait(self, kind: str, seconds: float = 30.0) -> dict[str, Any]:
+    def wait(self, kind: str, seconds: float = 90.0) -> dict[str, Any]:
         """The next packet of a kind; what comes before it is kept in `seen`."""
         deadline = time.monotonic() + seconds
         while True:
@@ -141,5 +141,6 @@ def open_tab(studio: Running, name: str | None = None, query: str = "", **header
         origin=f"http://{studio.host}",  # type: ignore[arg-type]
         additional_headers=headers,
         max_size=None,
+        ping_interval=None,
     ).__enter__()
     return Tab(studio, socket, name)

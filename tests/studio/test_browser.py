@@ -21,8 +21,9 @@ import sheetmorph as sm
 
 playwright = pytest.importorskip("playwright.sync_api", reason="Playwright is not installed")
 expect = playwright.expect
+expect.set_options(timeout=15_000)
 
-PATIENCE = 30_000
+PATIENCE = 90_000
 Open = Callable[..., Any]
 
 
@@ -191,6 +192,30 @@ def test_the_keyboard_alone_is_enough(open_page: Open) -> None:
     expect(page.locator("#dialog")).not_to_be_visible()
 
 
+def test_measuring_clipping_and_playing(open_page: Open) -> None:
+    page = open_page()
+    page.click("#top")
+    page.click("#measure")
+    box = page.locator("#canvas").bounding_box()
+    x, y = box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
+    for side in (-60, 60):
+        page.mouse.click(x + side, y)
+    label = page.locator("#labels span")
+    expect(label).to_contain_text("mm")
+    assert 3.0 < float(label.inner_text().split()[0]) < 40.0
+    page.click("#measure")
+    expect(label).to_have_count(0)
+    page.click("#home")
+    whole = pixels(page)
+    page.locator("#clip").select_option("x")
+    assert np.abs(pixels(page) - whole).mean() > 1.0
+    page.locator("#clip").select_option("")
+    page.click("#play")
+    expect(page.locator("#play")).to_have_attribute("aria-label", "Stop")
+    expect(page.locator("#play")).to_have_attribute("aria-label", "Play the actuation")
+    expect(page.locator("#scrub")).to_have_value("1")
+
+
 def test_everything_that_acts_has_a_name(open_page: Open) -> None:
     page = open_page()
     nameless = page.evaluate(
@@ -216,7 +241,7 @@ def test_wrong_values_and_broken_drawings_are_told(open_page: Open, tmp_path: Pa
     broken = tmp_path / "broken.svg"
     broken.write_text("<svg><path d='M 0 0 L", encoding="utf-8")
     page.set_input_files("#picker", broken)
-    expect(page.locator("#toast")).to_contain_text("damaged")
+    expect(page.locator("#toast")).to_contain_text("damaged", timeout=PATIENCE)
     shot(page, "broken-drawing")
     page.set_input_files("#picker", files=[{"name": "x.exe", "mimeType": "", "buffer": b"MZ"}])
     expect(page.locator("#toast")).to_contain_text("nothing that the studio reads")
@@ -231,7 +256,7 @@ def test_a_drawing_becomes_sheet_and_pattern(open_page: Open) -> None:
         height="6"/><rect x="27" y="6" width="6" height="28"/></g></svg>"""
     entry = {"name": "../../cross.svg", "mimeType": "image/svg+xml", "buffer": drawing.encode()}
     page.set_input_files("#picker", files=[entry])
-    expect(page.locator("#role-sheet")).to_have_value("sheet")
+    expect(page.locator("#role-sheet")).to_have_value("sheet", timeout=PATIENCE)
     expect(page.locator("#role-pattern")).to_have_value("pattern")
     shot(page, "drawing")
     with resolved(page):
@@ -255,7 +280,7 @@ def test_a_scan_is_laid_over_the_shape(
     card = page.locator("#scan")
     with resolved(page):
         page.click("#dialog-buttons .primary")
-        expect(card).to_be_visible(timeout=60_000)
+        expect(card).to_be_visible(timeout=PATIENCE)
     numbers = listed(card)
     assert float(numbers["SSIM when compared"]) > 0.9
     assert float(numbers["now: r.m.s. distance"].split()[0]) < 0.3
