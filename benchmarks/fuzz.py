@@ -6,8 +6,8 @@
 Readers: design, mesh, svg, dxf, stl, result, 3mf, scan, curve, sweep. Each is fed with changed
 files of the tests, examples and presets by libFuzzer (Atheris, which is no dependency:
 `pip install atheris`). A finding is any exception but `InputError`, a message of more than one
-line, more than 2 GB of memory, or 20 seconds for one file. Findings are written into the folder
-fuzzing/, one file for each kind, with the traceback beside it; the exit code is then 1.
+line, more than 2 GB of memory, or 20 s of the processor for one file. Findings are written into
+the folder fuzzing/, one file for each kind, with the traceback beside it; the exit code is then 1.
 """
 
 from __future__ import annotations
@@ -21,12 +21,16 @@ import traceback
 from collections.abc import Callable
 from contextlib import suppress
 from pathlib import Path
+from time import process_time
 
 for variable in ("OMP_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS"):
     os.environ.setdefault(variable, "1")
 
 ROOT = Path(__file__).resolve().parents[1]
 FINDINGS = ROOT / "fuzzing"
+SLOWEST = 20.0
+"""Seconds of the processor that a file may take."""
+
 LARGEST = 200_000
 """Bytes of the largest file that is tried."""
 
@@ -165,6 +169,7 @@ def fuzz(name: str, corpus: Path, seconds: int, seed: int) -> None:
         ending = endings[data[0] % len(endings)]
         path = place / f"a{ending}"
         path.write_bytes(data[1:])
+        began = process_time()
         try:
             read(path)
         except InputError as error:
@@ -174,6 +179,8 @@ def fuzz(name: str, corpus: Path, seconds: int, seed: int) -> None:
             frames = traceback.extract_tb(error.__traceback__)
             line = f"{Path(frames[-1].filename).name}-{frames[-1].lineno}"
             report(f"{type(error).__name__}-{line}", data[1:], ending, traceback.format_exc())
+        if process_time() - began > SLOWEST:
+            report("slow", data[1:], ending, f"{process_time() - began:.1f} s of the processor")
 
     def report(kind: str, data: bytes, ending: str, text: str) -> None:
         if kind in known:
@@ -185,7 +192,7 @@ def fuzz(name: str, corpus: Path, seconds: int, seed: int) -> None:
 
     options = [
         *(sys.argv[0], str(corpus), f"-max_total_time={seconds}", f"-seed={seed}"),
-        *("-timeout=20", "-rss_limit_mb=2048", f"-max_len={LARGEST}", "-print_final_stats=1"),
+        *("-timeout=600", "-rss_limit_mb=2048", f"-max_len={LARGEST}", "-print_final_stats=1"),
         *("-verbosity=1", f"-artifact_prefix={FINDINGS}/{name}-"),
     ]
     atheris.Setup(options, one)
