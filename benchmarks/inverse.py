@@ -33,11 +33,13 @@ WIDTH = 0.06
 MESH = {"mesh.size": "5 mm"}
 """Of the hidden designs and of those that are found: 300 to 500 nodes."""
 GOOD = 0.01
+QUICK = ("--descents", "1", "--accuracy", "1")
 ORDERS = (
     ("bowl:0.5", "free", ("--budget", "60", "--descents", "1")),
     ("bowl:0.35", "star", ("--budget", "60", "--descents", "1")),
-    ("saddle:0.4", "free", ("--budget", "24", "--descents", "1", "--steps", "4")),
-    ("canoe:2.0:0.35", "canoe", ("--budget", "36", "--descents", "1", "--set", "mesh.size=5 mm")),
+    ("saddle:0.4", "free", ("--budget", "24", "--steps", "4", *QUICK)),
+    ("canoe:1.5:0.5", "canoe", ("--budget", "36", "--set", "mesh.size=4.5 mm", *QUICK)),
+    ("canoe:2.0:0.6", "canoe", ("--budget", "36", "--set", "mesh.size=4.5 mm", *QUICK)),
 )
 
 

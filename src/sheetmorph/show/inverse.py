@@ -188,7 +188,7 @@ def design_text(found: Found) -> str:
 
 def told(found: Found) -> str:
     """The result in a line."""
-    scaled = "" if found.scale == 1.0 else f", target scaled by {found.scale:.3g}"
+    scaled = "" if abs(found.scale - 1.0) < 1e-6 else f", target scaled by {found.scale:.3g}"
     return (
         f"distance {100 * found.distance:.2f} % of the size, {1e3 * found.distance_m:.2f} mm"
         f"{scaled}"
