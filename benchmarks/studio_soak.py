@@ -88,7 +88,7 @@ def change(studio: Running, tabs: list[Tab], rng: random.Random) -> bool:
         tabs[place] = open_tab(studio)
         tabs[place].solved()
         return True
-    tab.wait("settled", 60)
+    tab.wait("settled", 300)
     return False
 
 

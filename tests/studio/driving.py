@@ -84,7 +84,7 @@ def start_studio(folder: Path, *options: str, text: str = SMALL) -> Running:
 def stop_studio(studio: Running) -> tuple[int, str]:
     """Interrupt a studio as Ctrl-C does; its exit code and what it said."""
     studio.process.send_signal(signal.SIGINT)
-    _, errors = studio.process.communicate(timeout=20)
+    _, errors = studio.process.communicate(timeout=90)
     return studio.process.returncode, errors
 
 

@@ -14,7 +14,7 @@ from typing import Any
 from sheetmorph.core.processes import THREADS
 from sheetmorph.studio.frames import MAX_PACKET, framed, head_of, pack
 
-GRACE = 2.0
+GRACE = 5.0
 """Seconds that a worker has to notice that its job is cancelled."""
 LONGEST = 900.0
 """Seconds that a job may take in all."""
