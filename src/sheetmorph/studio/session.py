@@ -105,10 +105,12 @@ class Session:
         for kind in ("design", "scan", "scene", "checked"):
             if kind in self._last:
                 self.outbox.put("again", self._last[kind])
+        self.tell("history", **self._steps())
         if not self.begun or "scene" not in self._last:
             self.begun = True
             self._want(Wish(commit=False))
-        self.tell("history", **self._steps())
+        else:
+            self.tell("settled", drag=False)
 
     def tell(self, kind: str, **head: Any) -> None:
         """Send a packet without arrays."""

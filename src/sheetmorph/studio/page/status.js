@@ -15,7 +15,7 @@ function state(text, kind = "") {
 }
 
 on("lost", (head) => state(head.reason || "no connection; trying again", "bad"));
-on("hello", () => state("connected"));
+on("hello", () => state("starting the solver", "working"));
 on("design", (head) => {
   notes = head.notes;
   problem = "";
