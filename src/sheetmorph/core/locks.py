@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 
 from sheetmorph.core.errors import InputError, OutputError
@@ -19,7 +19,7 @@ def sole_user(folder: str | Path) -> Iterator[None]:
     that bears it is removed at the end.
 
     Args:
-        folder: made when absent.
+        folder: made when absent, and removed again where the job left nothing in it.
 
     Raises:
         InputError: another job is at work there.
@@ -28,6 +28,7 @@ def sole_user(folder: str | Path) -> Iterator[None]:
     from filelock import FileLock, Timeout
 
     place = Path(folder)
+    new = not place.exists()
     lock = FileLock(place / FILE, thread_local=False)
     try:
         place.mkdir(parents=True, exist_ok=True)
@@ -46,5 +47,9 @@ def sole_user(folder: str | Path) -> Iterator[None]:
     try:
         yield
     finally:
-        (place / FILE).unlink(missing_ok=True)
+        with suppress(PermissionError):  # Windows removes no open file; an empty one stays
+            (place / FILE).unlink(missing_ok=True)
         lock.release()
+        if new:
+            with suppress(OSError):  # not empty: the job wrote something
+                place.rmdir()
