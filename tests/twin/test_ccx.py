@@ -61,7 +61,7 @@ def test_a_run_that_ends_well(tmp_path: Path) -> None:
     assert ran.iterations == 27
     assert heard[-1] == 2.0
     assert ran.message == ""
-    assert 0.29 <= ran.processor_seconds < 30.0
+    assert 0.28 < ran.processor_seconds < 30.0  # the clock counts in hundredths
 
 
 def test_a_run_that_gives_up_tells_its_last_error(tmp_path: Path) -> None:
