@@ -4,11 +4,15 @@ from __future__ import annotations
 
 import os
 import signal
+import subprocess
 import time
+from collections.abc import Callable
+from pathlib import Path
 
 import numpy as np
+import psutil
 import pytest
-from driving import Running, Tab, open_tab
+from driving import Running, Tab, open_tab, start_studio, stop_studio
 from small import SMALL
 
 import sheetmorph as sm
@@ -192,6 +196,40 @@ def test_a_worker_that_dies_is_replaced(studio: Running, tab: Tab) -> None:
     tab.order("undo")
     assert tab.solved()["numbers"]["status"] == "completed"
     assert studio.children("--warm") != [worker]
+
+
+@pytest.mark.skipif(os.name != "posix", reason="ends processes by their group")
+def test_a_browser_that_is_killed_while_it_solves_leaves_the_studio_healthy(
+    tmp_path: Path, chromium_command: list[str]
+) -> None:
+    studio = start_studio(tmp_path, text=SMALL.replace('size = "3 mm"', 'size = "0.5 mm"'))
+    quiet = {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL}
+    browser = subprocess.Popen([*chromium_command, studio.address], start_new_session=True, **quiet)
+    try:
+        server = psutil.Process(studio.process.pid)
+        eventually(lambda: any(one.status == "ESTABLISHED" for one in server.net_connections()))
+        eventually(lambda: studio.children("--warm"))
+        (worker,) = studio.children("--warm")
+        used = psutil.Process(worker).cpu_times().user
+        eventually(lambda: psutil.Process(worker).cpu_times().user > used + 1.0)  # it solves
+    finally:
+        os.killpg(browser.pid, signal.SIGKILL)
+        browser.wait()
+    other = open_tab(studio)
+    other.wait("hello")
+    other.order("edit", values={"mesh.size": "3 mm"})
+    while other.solved()["numbers"]["nodes"] > 1000:
+        pass
+    other.socket.close()
+    assert stop_studio(studio)[0] in (0, 130)
+
+
+def eventually(holds: Callable[[], object], seconds: float = 60.0) -> None:
+    """Wait until something holds."""
+    deadline = time.monotonic() + seconds
+    while not holds():
+        assert time.monotonic() < deadline
+        time.sleep(0.05)
 
 
 def test_the_file_is_saved_and_changes_by_others_are_seen(studio: Running, tab: Tab) -> None:
