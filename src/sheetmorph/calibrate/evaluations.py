@@ -2,20 +2,18 @@
 
 from __future__ import annotations
 
-import json
 import math
-import os
 import threading
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from concurrent.futures import BrokenExecutor, Future, ProcessPoolExecutor, ThreadPoolExecutor
-from contextlib import contextmanager
 from dataclasses import asdict
 from pathlib import Path
 from typing import Any, TypeVar
 
 from sheetmorph import __version__
 from sheetmorph.calibrate.misfit import Evaluation, Task
-from sheetmorph.core.errors import ComputationError, InputError, OutputError
+from sheetmorph.core.errors import ComputationError
+from sheetmorph.core.lines import append_line, begin_lines, damaged, read_lines
 from sheetmorph.core.processes import one_thread_each, processes
 
 JOURNAL = "evaluations.jsonl"
@@ -69,9 +67,7 @@ class Evaluations:
         if resume:
             self._read(journal, header)
         else:
-            with _writing(journal):
-                journal.parent.mkdir(parents=True, exist_ok=True)
-                journal.write_text(json.dumps(header) + "\n", encoding="utf-8")
+            begin_lines(journal, header)
 
     def retarget(self, task: Task, epoch: str) -> None:
         """Measure against other poses from now on; what was measured before stays apart."""
@@ -185,41 +181,16 @@ class Evaluations:
             self.known[key] = found
             self.fresh += 1
             if self._journal is not None:
-                line = json.dumps({"epoch": key[0], **asdict(found)}) + "\n"
-                with _writing(self._journal), self._journal.open("ab") as stream:
-                    stream.write(line.encode())
-                    stream.flush()
-                    os.fsync(stream.fileno())
+                append_line(self._journal, {"epoch": key[0], **asdict(found)})
             self._on_new(found)
 
     def _read(self, journal: Path, header: dict[str, str]) -> None:
-        """Take the whole lines of a journal, and cut off a torn last one."""
-        try:
-            with journal.open("rb") as stream:
-                data = stream.read(_MAX_JOURNAL)
-        except OSError:
-            raise InputError(
-                "there is no unfinished fit to resume here; run without --resume",
-                file=journal.parent,
-            ) from None
-        whole = data.rfind(b"\n") + 1
-        lines = data[:whole].splitlines()
-        if not lines or _line(lines[0]) != header:
-            raise InputError(
-                "the unfinished fit here is of another design, other data or other options; "
-                "run without --resume, or into another folder with -o",
-                file=journal.parent,
-            )
-        for number, text in enumerate(lines[1:], 2):
-            found = _found(_line(text), len(self.task.parameters))
+        parts = "design, other data or other options"
+        for number, line in read_lines(journal, header, job="fit", parts=parts, most=_MAX_JOURNAL):
+            found = _found(line, len(self.task.parameters))
             if found is None:
-                raise InputError(
-                    f"line {number} of the journal is damaged; run without --resume", file=journal
-                )
+                raise damaged(journal, number)
             self.known[(found[0], found[1].values)] = found[1]
-        if whole < len(data):
-            with _writing(journal), journal.open("rb+") as stream:
-                stream.truncate(whole)
 
 
 _TASK: list[Task] = []
@@ -235,21 +206,6 @@ def _evaluate(values: tuple[float, ...]) -> Evaluation:
 
 def _apply(work: Callable[[Task, tuple[float, ...]], T], values: tuple[float, ...]) -> T:
     return work(_TASK[0], values)
-
-
-@contextmanager
-def _writing(path: Path) -> Iterator[None]:
-    try:
-        yield
-    except OSError as error:
-        raise OutputError(f"{path}: cannot be written ({error.strerror or error})") from error
-
-
-def _line(text: bytes) -> Any:
-    try:
-        return json.loads(text)
-    except (ValueError, RecursionError):
-        return None
 
 
 def _found(line: Any, count: int) -> tuple[str, Evaluation] | None:

@@ -2,17 +2,13 @@
 
 from __future__ import annotations
 
-import json
 import math
-import os
-from collections.abc import Iterator
-from contextlib import contextmanager
 from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
 from sheetmorph import __version__
-from sheetmorph.core.errors import InputError, OutputError
+from sheetmorph.core.lines import append_line, begin_lines, damaged, read_lines
 from sheetmorph.inverse.misfit import Evaluation, Job
 
 JOURNAL = "evaluations.jsonl"
@@ -47,9 +43,7 @@ class Journal:
         if resume:
             self._read(path, header)
             return
-        with _writing(path):
-            path.parent.mkdir(parents=True, exist_ok=True)
-            path.write_text(json.dumps(header) + "\n", encoding="utf-8")
+        begin_lines(path, header)
 
     def keep(self, job: Job, found: Evaluation) -> None:
         """Remember an evaluation.
@@ -59,43 +53,17 @@ class Journal:
         """
         self.known[job] = found
         self.fresh += 1
-        if self._path is None:
-            return
-        line = json.dumps({"job": asdict(job), "found": asdict(found)}) + "\n"
-        with _writing(self._path), self._path.open("ab") as stream:
-            stream.write(line.encode())
-            stream.flush()
-            os.fsync(stream.fileno())
+        if self._path is not None:
+            append_line(self._path, {"job": asdict(job), "found": asdict(found)})
 
     def _read(self, path: Path, header: dict[str, str]) -> None:
-        """Take the whole lines of the file, and cut off a torn last one."""
-        try:
-            with path.open("rb") as stream:
-                data = stream.read(_MAX)
-        except OSError:
-            raise InputError(
-                "there is no unfinished search to resume here; run without --resume",
-                file=path.parent,
-            ) from None
-        whole = data.rfind(b"\n") + 1
-        lines = data[:whole].splitlines()
-        if not lines or _line(lines[0]) != header:
-            raise InputError(
-                "the unfinished search here is of another target or other options; run without "
-                "--resume, or into another folder with -o",
-                file=path.parent,
-            )
-        for number, text in enumerate(lines[1:], 2):
+        parts = "target or other options"
+        for number, line in read_lines(path, header, job="search", parts=parts, most=_MAX):
             try:
-                job, found = _entry(_line(text))
+                job, found = _entry(line)
             except (KeyError, TypeError, ValueError):
-                raise InputError(
-                    f"line {number} of the journal is damaged; run without --resume", file=path
-                ) from None
+                raise damaged(path, number) from None
             self.known[job] = found
-        if whole < len(data):
-            with _writing(path), path.open("rb+") as stream:
-                stream.truncate(whole)
 
 
 def _entry(line: Any) -> tuple[Job, Evaluation]:
@@ -116,18 +84,3 @@ def _numbers(values: Any) -> tuple[float, ...]:
     if not all(map(math.isfinite, found)):
         raise ValueError(values)
     return found
-
-
-def _line(text: bytes) -> Any:
-    try:
-        return json.loads(text)
-    except (ValueError, RecursionError):
-        return None
-
-
-@contextmanager
-def _writing(path: Path) -> Iterator[None]:
-    try:
-        yield
-    except OSError as error:
-        raise OutputError(f"{path}: cannot be written ({error.strerror or error})") from error
