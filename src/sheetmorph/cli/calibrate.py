@@ -3,14 +3,19 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterator
-from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import click
 
-from sheetmorph.cli.shared import ProgressBar, design_file, load_design, naming, set_values
+from sheetmorph.cli.shared import (
+    ProgressBar,
+    by_their_options,
+    design_file,
+    load_design,
+    naming,
+    set_values,
+)
 from sheetmorph.core.errors import InputError
 
 if TYPE_CHECKING:
@@ -118,7 +123,7 @@ def calibrate(
     if output is not None and not output.strip():
         raise InputError("-o wants a folder, such as calibrate/petals", value=output)
     folder = Path(output) if output is not None else Path("calibrate") / file.stem
-    with _by_their_options():
+    with by_their_options(_OPTIONS):
         options = CalibrateOptions(
             starts=starts,
             samples=samples,
@@ -207,15 +212,3 @@ _OPTIONS = {
     "seed": "--seed",
 }
 """Fields of `CalibrateOptions`, as they are called on the command line."""
-
-
-@contextmanager
-def _by_their_options() -> Iterator[None]:
-    """Errors about the fields of the options name the options of the command line."""
-    try:
-        yield
-    except InputError as error:
-        key = _OPTIONS.get(error.key or "")
-        if key is None:
-            raise
-        raise InputError(error.message, key=key, value=error.value, allowed=error.allowed) from None

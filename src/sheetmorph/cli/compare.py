@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from sheetmorph.cli.shared import ProgressBar
+from sheetmorph.cli.shared import ProgressBar, by_their_options
 from sheetmorph.core.errors import InputError
 
 if TYPE_CHECKING:
@@ -101,7 +101,7 @@ def compare(
     if shape_unit is not None and is_run(result):
         raise InputError("a run is in metres; leave out --shape-unit", file=result)
     box = _box(crop) if crop is not None else None
-    with _by_their_options():
+    with by_their_options(_OPTIONS):
         options = _options(length, face, mirror, box, no_crop or is_run(scan), grid, window)
     folder = _folder(output, scan)
     check_folder(folder, force, [path for path in (result, scan) if path.is_file()])
@@ -113,7 +113,7 @@ def compare(
 
         listener(Started(f"{result.name} and {scan.name}"))
         listener(Progress(0.0, "reading"))
-        with _by_their_options():
+        with by_their_options(_OPTIONS):
             shape = read_shape(result, unit=shape_length, state=state)
             measured = read_scan(scan)
 
@@ -280,17 +280,3 @@ def _box(text: str) -> tuple[float, ...]:
 
 _OPTIONS = {"box": "--crop", "face": "--face", "grid": "--grid", "window": "--window"}
 """Fields of the options of a comparison, as they are called on the command line."""
-
-
-@contextmanager
-def _by_their_options() -> Iterator[None]:
-    """Errors about the fields of the options name the options of the command line."""
-    try:
-        yield
-    except InputError as error:
-        key = _OPTIONS.get(error.key or "")
-        if key is None:
-            raise
-        raise InputError(
-            error.message, file=error.file, key=key, value=error.value, allowed=error.allowed
-        ) from None

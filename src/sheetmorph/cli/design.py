@@ -2,15 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from collections.abc import Callable
 from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import click
 
-from sheetmorph.cli.shared import ProgressBar, read_length, read_values, set_values
+from sheetmorph.cli.shared import (
+    ProgressBar,
+    by_their_options,
+    read_length,
+    read_values,
+    set_values,
+)
 from sheetmorph.core.errors import InputError
 
 if TYPE_CHECKING:
@@ -120,7 +125,7 @@ def design(
         raise InputError("--workers and --scheduler exclude each other")
     wanted = _target(target, unit, size)
     chosen = families or ("star",)
-    with _by_their_options():
+    with by_their_options(_OPTIONS):
         given = {
             "minimum_width": read_length(minimum_width, "--minimum-width"),
             "most_inert": most_inert,
@@ -286,15 +291,3 @@ _OPTIONS = {
     "sheet": "--sheet",
 }
 """Fields of the options, as they are called on the command line."""
-
-
-@contextmanager
-def _by_their_options() -> Iterator[None]:
-    """Errors about the fields of the options name the options of the command line."""
-    try:
-        yield
-    except InputError as error:
-        key = _OPTIONS.get(error.key or "")
-        if key is None:
-            raise
-        raise InputError(error.message, key=key, value=error.value, allowed=error.allowed) from None

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -112,3 +112,21 @@ class ProgressBar:
             self._bar.update(self._task, title=event.title)
         elif isinstance(event, Progress):
             self._bar.update(self._task, completed=event.fraction, description=event.text)
+
+
+@contextmanager
+def by_their_options(names: Mapping[str, str]) -> Iterator[None]:
+    """Errors about fields of options name the options of the command line.
+
+    Args:
+        names: of the fields, with those of their options.
+    """
+    try:
+        yield
+    except InputError as error:
+        key = names.get(error.key or "")
+        if key is None:
+            raise
+        raise InputError(
+            error.message, file=error.file, key=key, value=error.value, allowed=error.allowed
+        ) from None
