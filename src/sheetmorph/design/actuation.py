@@ -9,8 +9,9 @@ from numpy.typing import NDArray
 
 from sheetmorph.core.errors import InputError
 from sheetmorph.design.distance import distance_to_boundary
-from sheetmorph.design.radial import LEAST, MOST, load_radial
+from sheetmorph.design.radial import load_radial
 from sheetmorph.design.strain_field import load_field
+from sheetmorph.design.strain_table import LEAST, MOST
 from sheetmorph.geometry.mesh import Floats, SheetMesh
 
 if TYPE_CHECKING:

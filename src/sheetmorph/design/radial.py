@@ -12,16 +12,15 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from sheetmorph.core.columns import parse_table, read_text
+from sheetmorph.core.columns import parse_table
 from sheetmorph.core.errors import InputError
+from sheetmorph.design.strain_table import LEAST, MOST, load_table
 from sheetmorph.geometry.mesh import Floats
 
 if TYPE_CHECKING:
     from sheetmorph.design.spec import Design
 
 KEY = "actuation.radial_profile"
-LEAST, MOST = -0.95, 4.0
-"""Strains that any layer may have."""
 _ROUNDING = 1e-9
 
 
@@ -71,13 +70,7 @@ def load_radial(design: Design) -> RadialProfile:
     """
     name = design.actuation.radial_profile
     assert name is not None  # noqa: S101  the schema wants one with profile = "radial"
-    if not name.lower().endswith(".csv"):
-        raise InputError("is no table", key=KEY, value=name, allowed="a .csv file")
-    path = design.resolve_file(name, KEY)
-    try:
-        return parse_radial(read_text(path), name)
-    except InputError as error:
-        raise error.located(path) from None
+    return load_table(design, name, KEY, parse_radial)
 
 
 def parse_radial(text: str, name: str) -> RadialProfile:

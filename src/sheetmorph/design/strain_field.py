@@ -12,9 +12,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from sheetmorph.core.columns import parse_table, read_text
+from sheetmorph.core.columns import parse_table
 from sheetmorph.core.errors import InputError
-from sheetmorph.design.radial import LEAST, MOST
+from sheetmorph.design.strain_table import LEAST, MOST, load_table
 from sheetmorph.geometry.mesh import Floats
 
 if TYPE_CHECKING:
@@ -66,13 +66,7 @@ def load_field(design: Design) -> StrainField:
     """
     name = design.actuation.field
     assert name is not None  # noqa: S101  the schema wants one with profile = "field"
-    if not name.lower().endswith(".csv"):
-        raise InputError("is no table", key=KEY, value=name, allowed="a .csv file")
-    path = design.resolve_file(name, KEY)
-    try:
-        return parse_field(read_text(path), name)
-    except InputError as error:
-        raise error.located(path) from None
+    return load_table(design, name, KEY, parse_field)
 
 
 def parse_field(text: str, name: str) -> StrainField:
