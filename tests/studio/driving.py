@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import json
 import re
 import secrets
@@ -16,6 +17,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+import psutil
 from small import SMALL
 from websockets.sync.client import ClientConnection, connect
 
@@ -39,13 +41,12 @@ class Running:
 
     def children(self, which: str = "studio.worker") -> list[int]:
         """Process numbers of its workers; with "--warm" of those that solve."""
-        found = subprocess.run(
-            ["ps", "-o", "pid=,args=", "--ppid", str(self.process.pid)],
-            capture_output=True,
-            text=True,
-            check=False,
-        ).stdout
-        return [int(line.split()[0]) for line in found.splitlines() if which in line]
+        found = []
+        for one in psutil.Process(self.process.pid).children():
+            with contextlib.suppress(psutil.Error):  # it ended between the two looks
+                if which in " ".join(one.cmdline()):
+                    found.append(one.pid)
+        return found
 
     def request(
         self, path: str, data: bytes | None = None, **headers: str
