@@ -200,7 +200,7 @@ def test_places_that_are_no_scan(tmp_path: Path, monkeypatch: pytest.MonkeyPatch
     folder.mkdir()
     with pytest.raises(InputError, match="is not a file"):
         read_surface(folder)
-    with pytest.raises(InputError, match="cannot be read"):
+    with pytest.raises(InputError, match="there is no such file"):
         read_surface(tmp_path / "absent.stl")
     with pytest.raises(InputError, match=r"did you mean \.stl"):
         read_surface(tmp_path / "a.stl1")

@@ -5,6 +5,7 @@ from __future__ import annotations
 import pytest
 
 from sheetmorph.core.errors import InputError
+from sheetmorph.core.units import KINDS, SI_UNITS, Kind
 from sheetmorph.sweep.axes import read_axis, sampled_axis
 
 
@@ -15,6 +16,13 @@ def test_lists_are_converted_to_si() -> None:
     assert axis.written(axis.values[1]) == "0.0004 m"
     assert read_axis("actuation.temperature", ["150 degC"]).values == (423.15,)
     assert read_axis("actuation.eps_pre", [-0.1, "-20 %"]).values == (-0.1, -0.2)
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_quantities_of_every_kind_vary(kind: Kind) -> None:
+    axis = read_axis("some.key", [f"{value} {SI_UNITS[kind]}" for value in (1.0, 2.0)])
+    assert axis.values == (1.0, 2.0)
+    assert axis.unit == SI_UNITS[kind]
 
 
 def test_what_is_no_number_stays_as_it_is() -> None:

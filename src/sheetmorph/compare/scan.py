@@ -11,13 +11,14 @@ import numpy as np
 
 from sheetmorph.compare.scanfiles import READERS, Triangles
 from sheetmorph.compare.topology import weld
-from sheetmorph.core.errors import InputError, nearest
+from sheetmorph.core import strangers
+from sheetmorph.core.errors import InputError
 from sheetmorph.geometry.topology import MAX_COORDINATE
 
 if TYPE_CHECKING:
     from sheetmorph.compare.surface import Surface
 
-MAX_BYTES = 500 * 2**20
+MAX_BYTES = 500_000_000
 MAX_TRIANGLES = 5_000_000
 # Lengths that files are written in [m]; a fitted scale this close to one of them is told.
 UNITS = {"um": 1e-6, "mm": 1e-3, "cm": 1e-2, "in": 0.0254, "ft": 0.3048, "m": 1.0}
@@ -61,29 +62,9 @@ def read_surface(path: str | Path, *, unit: float | None = None) -> Scan:
     file = Path(path)
     if unit is not None and not (math.isfinite(unit) and unit > 0.0):
         raise InputError("the length unit must be a positive number", file=file, value=unit)
-    ending = file.suffix.lower()
-    if ending not in READERS:
-        hint = nearest(ending, READERS)
-        raise InputError(
-            "no such format of a scan" + (f"; did you mean {hint}?" if hint else ""),
-            file=file,
-            value=ending or "no ending",
-            allowed=", ".join(READERS),
-        )
+    ending = strangers.ending_of(file, READERS, "format of a scan")
     try:
-        if not file.is_file() and file.exists():
-            raise InputError("is not a file", file=file)
-        size = file.stat().st_size
-        if size > MAX_BYTES:
-            raise InputError(
-                "the file is too large; reduce the scan in the program that made it",
-                value=f"{size / 2**20:.0f} MB",
-                allowed=f"≤ {MAX_BYTES // 2**20} MB",
-            )
-        if size == 0:
-            raise InputError("the file is empty")
-        with file.open("rb") as stream:
-            data = stream.read(MAX_BYTES + 1)
+        data = strangers.read_bytes(file, MAX_BYTES, "reduce the scan in the program that made it")
         read = READERS[ending](data, MAX_TRIANGLES)
         del data
         return _checked(read, file.name, unit)

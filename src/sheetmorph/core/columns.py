@@ -18,6 +18,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from sheetmorph.core import strangers
 from sheetmorph.core.errors import InputError, nearest, shorten
 from sheetmorph.core.units import Kind, to_si
 
@@ -184,6 +185,7 @@ _EXAMPLES: dict[str, str] = {
     "temperature": "degC",
     "angle": "deg",
     "time": "s",
+    "rate": "1/s",
     "dimensionless": "%",
 }
 
@@ -194,22 +196,7 @@ def read_text(path: Path) -> str:
     Raises:
         InputError: no such file, not a file, too large, or not UTF-8.
     """
-    try:
-        with path.open("rb") as stream:
-            data = stream.read(MAX_BYTES + 1)
-    except FileNotFoundError:
-        raise InputError("there is no such file", file=path) from None
-    except IsADirectoryError:
-        raise InputError("is a folder, not a CSV file", file=path) from None
-    except (OSError, ValueError) as error:
-        reason = getattr(error, "strerror", None) or error
-        raise InputError(f"cannot be read ({reason})", file=path) from None
-    if len(data) > MAX_BYTES:
-        raise InputError("the file is too large", file=path, allowed=f"≤ {MAX_BYTES / 1e6:g} MB")
-    try:
-        return data.decode("utf-8-sig")
-    except UnicodeDecodeError:
-        raise InputError("cannot be read as UTF-8 text", file=path) from None
+    return strangers.read_text(path, MAX_BYTES, "a CSV file")
 
 
 def parse_table(text: str, *, max_rows: int = MAX_ROWS) -> Table:

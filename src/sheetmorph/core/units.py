@@ -36,7 +36,7 @@ Kind = Literal[
 
 MAX_CHARACTERS = 80
 
-_SI_UNITS: dict[str, str] = {
+SI_UNITS: dict[str, str] = {
     "length": "m",
     "pressure": "Pa",
     "density": "kg/m^3",
@@ -189,7 +189,7 @@ def _conversion(unit: str, kind: str) -> tuple[Decimal, Decimal]:
     try:
         plain = unit.replace("·", "*").replace(" ", "")
         parsed = registry.parse_units(f"1{plain}" if plain.startswith("/") else plain)
-        zero, one = (_convert(registry, n, parsed, _SI_UNITS[kind]) for n in (0, 1))
+        zero, one = (_convert(registry, n, parsed, SI_UNITS[kind]) for n in (0, 1))
     except DimensionalityError:
         raise InputError(f'"{unit}" is not a unit of {_noun(kind)}; {_wanted(kind)}') from None
     except UndefinedUnitError:

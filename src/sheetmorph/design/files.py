@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 
+from sheetmorph.core import strangers
 from sheetmorph.core.errors import InputError, nearest, shorten
 
 MAX_BYTES = 5_000_000
@@ -34,21 +35,7 @@ def read_design_text(path: Path) -> str:
     Raises:
         InputError: no such file, not a file, larger than `MAX_BYTES`, or not UTF-8.
     """
-    try:
-        with path.open("rb") as stream:
-            data = stream.read(MAX_BYTES + 1)
-    except FileNotFoundError:
-        raise InputError("there is no such file", file=path) from None
-    except IsADirectoryError:
-        raise InputError("is a folder, not a design file", file=path) from None
-    except (OSError, ValueError) as error:
-        reason = getattr(error, "strerror", None) or error
-        raise InputError(f"cannot be read ({reason})", file=path) from None
-    try:
-        return data.decode("utf-8-sig")
-    except UnicodeDecodeError as error:
-        line = data.count(b"\n", 0, error.start) + 1
-        raise InputError(f"is not UTF-8 text (line {line})", file=path) from None
+    return strangers.read_text(path, MAX_BYTES, "a design file")
 
 
 def parse_design_text(text: str) -> dict[str, Any]:

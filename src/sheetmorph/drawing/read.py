@@ -9,14 +9,15 @@ from types import MappingProxyType
 
 import numpy as np
 
-from sheetmorph.core.errors import InputError, nearest
+from sheetmorph.core import strangers
+from sheetmorph.core.errors import InputError
 from sheetmorph.drawing.dxf import read_dxf
 from sheetmorph.drawing.model import Drawing
 from sheetmorph.drawing.request import UNITS, Contents, Request, check_extent, unit_name
 from sheetmorph.drawing.solid import read_3mf, read_stl
 from sheetmorph.drawing.svg import read_svg
 
-MAX_BYTES = 20 * 2**20
+MAX_BYTES = 20_000_000
 
 READERS: dict[str, Callable[[bytes, Request], tuple[Contents, float]]] = {
     ".dxf": read_dxf,
@@ -51,15 +52,7 @@ def read_drawing(
         InputError: the file cannot be read; names the file, and coordinates in mm.
     """
     file = Path(path)
-    ending = file.suffix.lower()
-    if ending not in READERS:
-        hint = nearest(ending, READERS)
-        raise InputError(
-            "no such format of drawings" + (f"; did you mean {hint}?" if hint else ""),
-            file=file,
-            value=ending or "no ending",
-            allowed=", ".join(READERS),
-        )
+    ending = strangers.ending_of(file, READERS, "format of drawings")
     if unit is not None and unit not in UNITS:
         raise InputError("no such unit", key="unit", value=unit, allowed=", ".join(UNITS))
     for name, value, least, most in (("flatness", flatness, 1e-8, 1e-3), ("gap", gap, 0.0, 1e-2)):
@@ -71,7 +64,7 @@ def read_drawing(
     try:
         # Numbers that overflow are refused by the readers, not warned of.
         with np.errstate(over="ignore", invalid="ignore"):
-            contents, length = READERS[ending](_content(file), request)
+            contents, length = READERS[ending](strangers.read_bytes(file, MAX_BYTES), request)
         check_extent(contents.items, length)
     except InputError as error:
         raise error.located(file) from error.__cause__
@@ -88,17 +81,3 @@ def read_drawing(
         flatness=flatness,
         file=str(file),
     )
-
-
-def _content(file: Path) -> bytes:
-    if not file.exists():
-        raise InputError("there is no such file")
-    if not file.is_file():
-        raise InputError("is not a file")
-    with file.open("rb") as stream:
-        data = stream.read(MAX_BYTES + 1)
-    if not data:
-        raise InputError("the file is empty")
-    if len(data) > MAX_BYTES:
-        raise InputError("the file is too large", allowed=f"≤ {MAX_BYTES // 2**20} MB")
-    return data

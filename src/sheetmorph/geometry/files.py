@@ -16,7 +16,8 @@ from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 from scipy.spatial import cKDTree
 
-from sheetmorph.core.errors import InputError, nearest
+from sheetmorph.core import strangers
+from sheetmorph.core.errors import InputError
 from sheetmorph.geometry.gmshfile import read_gmsh
 from sheetmorph.geometry.mesh import Floats, SheetMesh
 from sheetmorph.geometry.textmesh import read_text_mesh
@@ -25,7 +26,7 @@ from sheetmorph.geometry.writers import write_mesh, write_stl, write_vtu_series
 
 __all__ = ["LOADERS", "read_mesh", "write_mesh", "write_stl", "write_vtu_series"]
 
-MAX_BYTES = 200 * 2**20
+MAX_BYTES = 200_000_000
 # Numbers that a file declares before its data; a huge one makes readers allocate or loop.
 _DECLARED = {
     ".ply": re.compile(rb"^element\s+\w+\s+(\d+)", re.MULTILINE),
@@ -57,28 +58,9 @@ def read_mesh(path: str | Path, unit: float = 1.0, *, curved: bool = False) -> S
     file = Path(path)
     if not (math.isfinite(unit) and unit > 0.0):
         raise InputError("the length unit must be a positive number", file=file, value=unit)
-    ending = file.suffix.lower()
-    if ending not in LOADERS:
-        hint = nearest(ending, LOADERS)
-        raise InputError(
-            "no such mesh format" + (f"; did you mean {hint}?" if hint else ""),
-            file=file,
-            value=ending or "no ending",
-            allowed=", ".join(LOADERS),
-        )
+    ending = strangers.ending_of(file, LOADERS, "mesh format")
     try:
-        size = file.stat().st_size
-        if not file.is_file():
-            raise InputError("is not a file", file=file)
-        if size > MAX_BYTES:
-            raise InputError(
-                "the file is too large",
-                file=file,
-                value=f"{size / 2**20:.0f} MB",
-                allowed=f"≤ {MAX_BYTES // 2**20} MB",
-            )
-        if size == 0:
-            raise InputError("the file is empty", file=file)
+        strangers.check_size(file, MAX_BYTES)
         return LOADERS[ending](file, unit, curved)
     except InputError as error:
         raise error.located(file) from error.__cause__

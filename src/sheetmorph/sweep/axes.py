@@ -10,23 +10,11 @@ from typing import Any
 import numpy as np
 
 from sheetmorph.core.errors import InputError, nearest
-from sheetmorph.core.units import KINDS, Kind, to_si
+from sheetmorph.core.units import KINDS, SI_UNITS, Kind, to_si
 
 MOST = 1_000_000
 """Most designs of one sweep."""
 
-_SI: dict[str, str] = {
-    "length": "m",
-    "pressure": "Pa",
-    "density": "kg/m^3",
-    "force": "N",
-    "force per length": "N/m",
-    "acceleration": "m/s^2",
-    "temperature": "K",
-    "angle": "rad",
-    "time": "s",
-    "dimensionless": "",
-}
 _RANGE = "{ from = …, to = …, count = … } or { from = …, to = …, step = … }"
 _BOUNDS = "{ from = …, to = … }"
 _DIGITS = 12
@@ -74,7 +62,7 @@ def read_axis(key: str, entry: object) -> Axis:
     if kind is None:
         return Axis(key, "", tuple(entry))
     numbers = [value if _plain(value) else _si(value, kind, key) for value in entry]
-    return Axis(key, _SI[kind], tuple(numbers))
+    return Axis(key, SI_UNITS[kind], tuple(numbers))
 
 
 def sampled_axis(key: str, entry: object, shares: Sequence[float]) -> Axis:
@@ -132,7 +120,7 @@ def _steps(
 ) -> tuple[float, ...]:
     if "spacing" in table:
         raise InputError("a range by step has no spacing", key=key)
-    kind = next(kind for kind, si in _SI.items() if si == unit)
+    kind = next(kind for kind, si in SI_UNITS.items() if si == unit)
     if kind == "temperature":
         raise InputError("a range of temperatures wants count", key=key, allowed=_RANGE)
     given = table["step"]
@@ -183,7 +171,7 @@ def _ends(key: str, table: Mapping[str, object], form: str) -> tuple[float, floa
     if kind is None:
         raise InputError("from and to are not two numbers of one kind", key=key, value=ends)
     low, high = (end if _plain(end) else _si(end, kind, key) for end in ends)
-    return low, high, _SI[kind]  # type: ignore[return-value]  # plain ones are numbers
+    return low, high, SI_UNITS[kind]  # type: ignore[return-value]  # plain ones are numbers
 
 
 def _plain(value: object) -> bool:
