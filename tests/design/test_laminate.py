@@ -97,7 +97,7 @@ def test_stiffness_of_edges_and_hinges(design, strip):
     assert stiffness.stretch_plain[inside] == pytest.approx(10 * both.stretching_stiffness(l0))
     assert stiffness.stretch_plain[~inside] == pytest.approx(10 * film.stretching_stiffness(l0))
     assert np.array_equal(stiffness.stretch, stiffness.stretch_plain * strip.edge_lengths)
-    hinge = region.hinge_in_pattern
+    hinge = region.hinge_cell > 0
     assert set(stiffness.bending[hinge]) == {both.bending_stiffness}
     assert set(stiffness.bending[~hinge]) == {film.bending_stiffness}
 

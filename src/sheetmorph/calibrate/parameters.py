@@ -91,11 +91,6 @@ def with_parameters(
     return design.with_values(keys)
 
 
-def named_parameters() -> dict[str, str]:
-    """The parameters that have a name of their own, and what they are."""
-    return {name: entry.meaning for name, entry in NAMED.items()}
-
-
 @dataclass(frozen=True)
 class Named:
     """A parameter with a name of its own: its default bounds, how it is read and set."""

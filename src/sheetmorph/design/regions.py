@@ -76,11 +76,6 @@ class Regions:
         return np.asarray(self.triangle_cell > 0)
 
     @cached_property
-    def hinge_in_pattern(self) -> Bools:
-        """Hinges in any part of the pattern, its boundary included, shape (H,)."""
-        return np.asarray(self.hinge_cell > 0)
-
-    @cached_property
     def node_in_pattern(self) -> Bools:
         """Nodes in any part of the pattern, its boundary included, shape (V,)."""
         return np.asarray(self.node_cell > 0)

@@ -141,7 +141,6 @@ class Workspace:
     gradients: dict[int, Floats]
     hessians: dict[int, Floats]
     no_gradient: Floats
-    no_hessian: Floats
 
     @classmethod
     def of(cls, terms: Sequence[Term], structure: Structure) -> Workspace:
@@ -153,7 +152,6 @@ class Workspace:
             gradients={m: np.zeros((CHUNK, m, 3)) for m in widths},
             hessians={m: np.zeros((CHUNK, m * (m + 1) // 2, 3, 3)) for m in widths},
             no_gradient=np.zeros((0, 3)),
-            no_hessian=np.zeros((0, 0, 3, 3)),
         )
 
     def local(self, term: Term) -> tuple[Floats, Floats]:

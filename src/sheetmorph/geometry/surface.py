@@ -108,12 +108,6 @@ def vertex_normals(positions: ArrayLike, triangles: Indices) -> Floats:
     return normals
 
 
-def hinge_areas(positions: ArrayLike, hinges: Indices) -> Floats:
-    """A third of the area of the two triangles of each hinge [m²], shape (..., H)."""
-    left = triangle_areas(positions, hinges[:, [0, 1, 2]])
-    return np.asarray((left + triangle_areas(positions, hinges[:, [0, 3, 1]])) / 3.0)
-
-
 def mean_curvature(positions: ArrayLike, triangles: Indices) -> Floats:
     """Mean curvature (κ1 + κ2)/2 at the nodes [1/m], shape (..., V).
 
@@ -163,12 +157,6 @@ def gaussian_curvature(positions: ArrayLike, triangles: Indices) -> Floats:
         result[state] = (2.0 * np.pi - total) / area
     result[..., rim] = 0.0
     return result
-
-
-def bounding_box(positions: ArrayLike) -> Floats:
-    """Lowest and highest corner of each state [m], shape (..., 2, 3)."""
-    x = np.asarray(positions, dtype=np.float64)
-    return np.stack([x.min(axis=-2), x.max(axis=-2)], axis=-2)
 
 
 def aspect_ratio(positions: ArrayLike, width: Width = "feret_max", azimuth: float = 0.0) -> Floats:
