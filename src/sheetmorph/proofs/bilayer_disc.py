@@ -14,6 +14,7 @@ from sheetmorph.energy.lamination import Lamination
 from sheetmorph.energy.total import Total
 from sheetmorph.geometry.mesh import Floats, SheetMesh
 from sheetmorph.geometry.structured import disc
+from sheetmorph.proofs.sheets import QUARTER
 from sheetmorph.solve.constraints import HeldDofs
 from sheetmorph.solve.critical import Critical, first_critical, stationary
 from sheetmorph.solve.linear import make_solver
@@ -57,19 +58,6 @@ thickening = "none"
 [mesh]
 size = "5 mm"
 """
-PLANES = """
-[[supports]]
-kind = "symmetry"
-plane = "x"
-[[supports]]
-kind = "symmetry"
-plane = "y"
-[[supports]]
-kind = "box"
-x = ["0 mm", "0 mm"]
-y = ["0 mm", "0 mm"]
-hold = ["z"]
-"""
 
 
 @dataclass(frozen=True, eq=False)
@@ -95,7 +83,7 @@ class DiscSheet:
         """A disc with so many rings of triangles, see `sheetmorph.geometry.structured.disc`."""
         unit = LENS_UNIT if lens else 4.0
         strain = unit * (THICKNESS / RADIUS) ** 2 * most / 3.0
-        design = Design.from_toml(DESIGN + PLANES * quarter)
+        design = Design.from_toml(DESIGN + QUARTER * quarter)
         mesh = disc(RADIUS, rings, quarter=quarter, irregular=irregular)
         problem = build_problem(design.with_values({"actuation.eps_pre": strain}), mesh)
         if lens:

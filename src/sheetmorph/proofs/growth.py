@@ -15,7 +15,7 @@ from sheetmorph.geometry.mesh import Floats
 from sheetmorph.geometry.structured import disc
 from sheetmorph.proofs.excess_cone import steepest_ray
 from sheetmorph.proofs.proof import Check, Curve, Plot, Proof, convergence_order
-from sheetmorph.proofs.sheets import solved
+from sheetmorph.proofs.sheets import QUARTER, solved
 from sheetmorph.study.laminate_model import laminate_shell
 from sheetmorph.study.model import build_problem
 from sheetmorph.study.result import Result
@@ -40,18 +40,7 @@ radial_profile = "{TABLE}"
 thickening = "none"
 [perturbation]
 total_force = "1e-6 N"
-[[supports]]
-kind = "symmetry"
-plane = "x"
-[[supports]]
-kind = "symmetry"
-plane = "y"
-[[supports]]
-kind = "box"
-x = ["0 mm", "0 mm"]
-y = ["0 mm", "0 mm"]
-hold = ["z"]
-[mesh]
+{QUARTER}[mesh]
 size = "2 mm"
 [solver]
 initial_step = 0.01

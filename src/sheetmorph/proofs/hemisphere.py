@@ -14,10 +14,10 @@ from sheetmorph.geometry.mesh import Floats, SheetMesh
 from sheetmorph.geometry.structured import sphere_sector
 from sheetmorph.geometry.topology import build_mesh
 from sheetmorph.proofs.proof import Check, Curve, Plot, Proof, convergence_order
-from sheetmorph.proofs.sheets import benchmark_table, nearest_node, solved, states_at
+from sheetmorph.proofs.sheets import PLANES, STEPS, benchmark_table, nearest_node, solved, states_at
 
 RADIUS = 10.0
-HOLE, QUARTER = math.radians(18.0), 0.5 * math.pi
+HOLE, EQUATOR = math.radians(18.0), 0.5 * math.pi
 PULLED, PRESSED = (0.0, RADIUS, 0.0), (RADIUS, 0.0, 0.0)
 FORCE = 200.0  # on a quarter of the shell: half of the forces, which act in its planes
 
@@ -35,13 +35,7 @@ young_modulus = "68.25 MPa"
 poisson_ratio = 0.3
 [perturbation]
 total_force = "0 N"
-[[supports]]
-kind = "symmetry"
-plane = "x"
-[[supports]]
-kind = "symmetry"
-plane = "y"
-[[supports]]
+{PLANES}[[supports]]
 kind = "box"
 x = ["9.999 m", "10.001 m"]
 y = ["-1 mm", "1 mm"]
@@ -56,12 +50,7 @@ at = ["10 m", "0 m", "0 m"]
 force = ["-{FORCE} N", "0 N", "0 N"]
 [mesh]
 size = "1 m"
-[solver]
-initial_step = 0.025
-max_step = 0.05
-min_step = 1e-5
-tolerance = 1e-9
-"""
+{STEPS}"""
 
 CELLS = (28, 40, 56)
 """Cells along each side of the structured meshes."""
@@ -168,14 +157,14 @@ def _moves(mesh: SheetMesh, loads: Floats, share: float = 1.0) -> Moves:
 
 
 def _structured(cells: int) -> SheetMesh:
-    return sphere_sector(RADIUS, (HOLE, QUARTER), (0.0, QUARTER), cells, cells, "alternating")
+    return sphere_sector(RADIUS, (HOLE, EQUATOR), (0.0, EQUATOR), cells, cells, "alternating")
 
 
 def _irregular() -> SheetMesh:
     """An irregular mesh of the rectangle of polar angle and azimuth, laid upon the sphere."""
     import shapely
 
-    flat = generate_mesh(shapely.box(HOLE, 0.0, QUARTER, QUARTER), [], SPACING)
+    flat = generate_mesh(shapely.box(HOLE, 0.0, EQUATOR, EQUATOR), [], SPACING)
     polar, azimuth = flat.nodes[:, 0], flat.nodes[:, 1]
     nodes = np.column_stack(
         [np.sin(polar) * np.cos(azimuth), np.sin(polar) * np.sin(azimuth), np.cos(polar)]

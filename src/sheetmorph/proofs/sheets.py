@@ -17,6 +17,33 @@ from sheetmorph.study.result import Result
 from sheetmorph.study.simulate import simulate
 
 TABLES = "shell_benchmarks.json"
+PLANES = """
+[[supports]]
+kind = "symmetry"
+plane = "x"
+[[supports]]
+kind = "symmetry"
+plane = "y"
+"""
+"""Tables of a design of which a quarter is computed."""
+
+QUARTER = f"""{PLANES}
+[[supports]]
+kind = "box"
+x = ["0 mm", "0 mm"]
+y = ["0 mm", "0 mm"]
+hold = ["z"]
+"""
+"""The same with the middle held, where no load holds it."""
+
+STEPS = """
+[solver]
+initial_step = 0.025
+max_step = 0.05
+min_step = 1e-5
+tolerance = 1e-9
+"""
+"""Small steps and a tight tolerance, for published tables of load steps."""
 
 
 def solved(design: Design, mesh: SheetMesh | None = None, stops: Sequence[float] = ()) -> Result:

@@ -11,7 +11,7 @@ from sheetmorph.design.spec import Design
 from sheetmorph.geometry.mesh import Floats, SheetMesh
 from sheetmorph.geometry.structured import ring_sector
 from sheetmorph.proofs.proof import Check, Curve, Plot, Proof, convergence_order
-from sheetmorph.proofs.sheets import benchmark_table, solved, states_at
+from sheetmorph.proofs.sheets import STEPS, benchmark_table, solved, states_at
 
 INNER, OUTER = 6.0, 10.0
 
@@ -43,12 +43,7 @@ nodes = [0, 1]
 force_per_length = ["0 N/m", "0 N/m", "0.8 N/m"]
 [mesh]
 size = "0.5 m"
-[solver]
-initial_step = 0.025
-max_step = 0.05
-min_step = 1e-5
-tolerance = 1e-9
-"""
+{STEPS}"""
 
 CELLS = (7, 10, 14)
 """Cells along the slit of the structured meshes; eight times as many go around."""

@@ -10,9 +10,9 @@ from sheetmorph.design.spec import Design
 from sheetmorph.geometry.structured import rectangle
 from sheetmorph.proofs.bilayer import curvature_of_a_wide_strip
 from sheetmorph.proofs.proof import Check, Curve, Plot, Proof
-from sheetmorph.proofs.sheets import circle_curvature, solved
+from sheetmorph.proofs.sheets import QUARTER, circle_curvature, solved
 
-DESIGN = """
+DESIGN = f"""
 name = "wide strip"
 model = "laminate"
 [outline]
@@ -38,18 +38,7 @@ profile = "uniform"
 total_force = "0 N"
 [laminate]
 thickening = "none"
-[[supports]]
-kind = "symmetry"
-plane = "x"
-[[supports]]
-kind = "symmetry"
-plane = "y"
-[[supports]]
-kind = "box"
-x = ["0 mm", "0 mm"]
-y = ["0 mm", "0 mm"]
-hold = ["z"]
-[mesh]
+{QUARTER}[mesh]
 size = "1 mm"
 [solver]
 initial_step = 0.05
