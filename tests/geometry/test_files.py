@@ -250,6 +250,14 @@ def test_huge_numbers_are_not_trusted(tmp_path, name):
         read_mesh(path)
 
 
+@pytest.mark.parametrize("end", ["", "comment end_header\n"])
+def test_a_ply_header_without_an_end_is_refused_at_once(tmp_path, end):
+    path = tmp_path / "a.ply"
+    path.write_text(f"ply\nformat ascii 1.0\nelement vertex 5\nproperty double x\n{end}")
+    with pytest.raises(InputError, match="its header does not end with end_header"):
+        read_mesh(path)
+
+
 def test_binary_stl_with_a_huge_count(tmp_path):
     path = tmp_path / "a.stl"
     path.write_bytes(bytes(80) + b"\xff\xff\xff\xff" + bytes(50))

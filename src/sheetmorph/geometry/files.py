@@ -27,6 +27,7 @@ from sheetmorph.geometry.writers import write_mesh, write_stl, write_vtu_series
 __all__ = ["LOADERS", "read_mesh", "write_mesh", "write_stl", "write_vtu_series"]
 
 MAX_BYTES = 200_000_000
+_END_OF_PLY_HEADER = re.compile(rb"^[ \t]*end_header[ \t\r]*$", re.MULTILINE)
 # Numbers that a file declares before its data; a huge one makes readers allocate or loop.
 _DECLARED = {
     ".ply": re.compile(rb"^element\s+\w+\s+(\d+)", re.MULTILINE),
@@ -129,6 +130,9 @@ def _check_declared_counts(file: Path) -> None:
         data = start + stream.read()
     if ending == ".stl" and start.lstrip().startswith(b"solid") and b"endsolid" not in data[-200:]:
         raise InputError("the file is cut off or damaged: it does not end with endsolid")
+    # Where a header does not end, meshio reads on for ever.
+    if ending == ".ply" and not _END_OF_PLY_HEADER.search(data, 0, 2**16):
+        raise InputError("is no readable .ply file: its header does not end with end_header")
     if ending not in _DECLARED:
         return
     for match in _DECLARED[ending].finditer(data):
