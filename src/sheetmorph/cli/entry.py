@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import errno
 import sys
+from contextlib import suppress
 
 import click
 
@@ -23,6 +25,9 @@ from sheetmorph.cli.studio import studio
 from sheetmorph.cli.sweep import sweep
 from sheetmorph.cli.verify import verify
 from sheetmorph.core.errors import SheetmorphError
+
+_FULL = {errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EROFS}
+"""What the system says where a disk has no room, or takes nothing."""
 
 
 @click.group(context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 100})
@@ -76,6 +81,13 @@ def main(arguments: list[str] | None = None) -> int:
         # The reader of our output has gone (as in `| head`); nothing is left to tell.
         sys.stderr.close()
         return 1
+    except OSError as error:
+        if error.errno not in _FULL:
+            raise
+        with suppress(OSError):  # what it still holds would be written once more at the end
+            sys.stdout.close()
+        where = error.filename or "the output"
+        return _fail(f"{where}: cannot be written ({error.strerror}); free some space", 2)
     return code if isinstance(code, int) else 0
 
 
@@ -85,5 +97,6 @@ def script() -> None:
 
 
 def _fail(message: str, code: int) -> int:
-    click.echo(f"sheetmorph: {' '.join(message.split())}", err=True)
+    with suppress(OSError):  # where even errors cannot be told, the code tells
+        click.echo(f"sheetmorph: {' '.join(message.split())}", err=True)
     return code

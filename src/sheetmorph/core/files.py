@@ -10,9 +10,44 @@ from pathlib import Path
 
 from sheetmorph.core.errors import OutputError
 
+REMEDY = "free some space or choose another folder with -o"
+GO_ON = "free some space, then add --resume"
+"""What to do for a job that keeps what it has computed."""
+
 
 @contextmanager
-def replacing(path: str | Path) -> Iterator[Path]:
+def writing(path: str | Path, remedy: str = REMEDY) -> Iterator[None]:
+    """What the system says against writing, in one line for people.
+
+    Args:
+        path: what is written.
+        remedy: what to do.
+
+    Raises:
+        OutputError: the disk is full, or the folder cannot be written.
+    """
+    try:
+        yield
+    except OSError as error:
+        reason = error.strerror or str(error)
+        raise OutputError(f"{path}: cannot be written ({reason}); {remedy}") from error
+
+
+@contextmanager
+def resumable() -> Iterator[None]:
+    """Say, where something cannot be written, that what is computed is kept.
+
+    Raises:
+        OutputError: what the block raises, with that said.
+    """
+    try:
+        yield
+    except OutputError as error:
+        raise OutputError(f"{error}; then --resume goes on with what is computed") from error
+
+
+@contextmanager
+def replacing(path: str | Path, remedy: str = REMEDY) -> Iterator[Path]:
     """Yield a temporary path beside `path`; rename it into place when the block succeeds.
 
     The temporary name keeps the ending of `path`, because many writers choose their
@@ -24,28 +59,23 @@ def replacing(path: str | Path) -> Iterator[Path]:
     """
     target = Path(path)
     partial: Path | None = None
-    try:
-        target.parent.mkdir(parents=True, exist_ok=True)
-        handle, name = tempfile.mkstemp(
-            prefix=f".{target.stem}.", suffix=f".partial{target.suffix}", dir=target.parent
-        )
-        os.close(handle)
-        partial = Path(name)
-        yield partial
-        with partial.open("rb+") as stream:
-            os.fsync(stream.fileno())
-        partial.chmod(0o666 & ~_umask())
-        partial.replace(target)
-        partial = None
-    except OSError as error:
-        reason = error.strerror or str(error)
-        raise OutputError(
-            f"{target}: cannot be written ({reason}); free some space or choose another "
-            "folder with -o"
-        ) from error
-    finally:
-        if partial is not None:
-            partial.unlink(missing_ok=True)
+    with writing(target, remedy):
+        try:
+            target.parent.mkdir(parents=True, exist_ok=True)
+            handle, name = tempfile.mkstemp(
+                prefix=f".{target.stem}.", suffix=f".partial{target.suffix}", dir=target.parent
+            )
+            os.close(handle)
+            partial = Path(name)
+            yield partial
+            with partial.open("rb+") as stream:
+                os.fsync(stream.fileno())
+            partial.chmod(0o666 & ~_umask())
+            partial.replace(target)
+            partial = None
+        finally:
+            if partial is not None:
+                partial.unlink(missing_ok=True)
 
 
 def write_text(path: str | Path, text: str) -> None:

@@ -4,12 +4,11 @@ from __future__ import annotations
 
 import json
 import os
-from collections.abc import Iterator
-from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
-from sheetmorph.core.errors import InputError, OutputError
+from sheetmorph.core.errors import InputError
+from sheetmorph.core.files import GO_ON, write_text, writing
 
 
 def begin_lines(path: Path, header: dict[str, str]) -> None:
@@ -18,21 +17,25 @@ def begin_lines(path: Path, header: dict[str, str]) -> None:
     Raises:
         OutputError: it cannot be written.
     """
-    with _writing(path):
-        path.parent.mkdir(parents=True, exist_ok=True)
-        path.write_text(json.dumps(header) + "\n", encoding="utf-8")
+    write_text(path, json.dumps(header) + "\n")
 
 
 def append_line(path: Path, value: dict[str, Any]) -> None:
-    """Add a line and wait until the disk has it.
+    """Add a line, and wait until the disk has it: whole or not at all.
 
     Raises:
         OutputError: it cannot be written.
     """
-    with _writing(path), path.open("ab") as stream:
-        stream.write((json.dumps(value) + "\n").encode())
-        stream.flush()
-        os.fsync(stream.fileno())
+    rest = memoryview((json.dumps(value) + "\n").encode())
+    with writing(path, GO_ON), path.open("ab", buffering=0) as stream:
+        before = stream.tell()
+        try:
+            while rest:  # a disk that is nearly full takes a part
+                rest = rest[stream.write(rest) :]
+            os.fsync(stream.fileno())
+        except OSError:
+            stream.truncate(before)
+            raise
 
 
 def read_lines(
@@ -70,7 +73,7 @@ def read_lines(
             file=path.parent,
         )
     if whole < len(data):
-        with _writing(path), path.open("rb+") as stream:
+        with writing(path, GO_ON), path.open("rb+") as stream:
             stream.truncate(whole)
     return list(enumerate(lines[1:], 2))
 
@@ -85,11 +88,3 @@ def _value(text: bytes) -> Any:
         return json.loads(text)
     except (ValueError, RecursionError):
         return None
-
-
-@contextmanager
-def _writing(path: Path) -> Iterator[None]:
-    try:
-        yield
-    except OSError as error:
-        raise OutputError(f"{path}: cannot be written ({error.strerror or error})") from error

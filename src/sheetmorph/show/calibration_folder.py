@@ -14,7 +14,7 @@ from sheetmorph.calibrate.parameters import Parameter
 from sheetmorph.calibrate.result import Calibration
 from sheetmorph.core.errors import InputError
 from sheetmorph.core.events import Listener, Progress, silent
-from sheetmorph.core.files import write_bytes, write_text
+from sheetmorph.core.files import resumable, write_bytes, write_text, writing
 from sheetmorph.core.locks import sole_user
 from sheetmorph.design.spec import Design
 from sheetmorph.show.calibration import PICTURES, write_pictures
@@ -94,8 +94,9 @@ def calibrate_into(
     with sole_user(place):
         check_folder(place, design, resume=resume, force=force)
         if force:
-            for name in (NUMBERS, JOURNAL, fitted_name(design), *PICTURES):
-                (place / name).unlink(missing_ok=True)
+            with writing(place):
+                for name in (NUMBERS, JOURNAL, fitted_name(design), *PICTURES):
+                    (place / name).unlink(missing_ok=True)
         fit = calibrate(
             design,
             parameters,
@@ -106,7 +107,8 @@ def calibrate_into(
             resume=resume,
             on_event=on_event,
         )
-        _write(fit, place, pictures, on_event)
+        with resumable():
+            _write(fit, place, pictures, on_event)
     return fit
 
 

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import contextlib
+import errno
 import json
+import os
 import queue
 import signal
 import subprocess
@@ -46,7 +48,12 @@ class Child:
         self._jobs = 0
         self._done: set[tuple[int, int]] = set()
         self._answers: queue.SimpleQueue[dict[str, Any] | None] = queue.SimpleQueue()
-        self._folder = tempfile.TemporaryDirectory(prefix="sheetmorph-", ignore_cleanup_errors=True)
+        try:
+            self._folder = tempfile.TemporaryDirectory(
+                prefix="sheetmorph-", ignore_cleanup_errors=True
+            )
+        except OSError as error:
+            raise RenderError(f"it has no room for its files ({error.strerror})") from error
         self._path = Path(self._folder.name)
         try:
             with (self._path / "errors.txt").open("w") as errors:
@@ -93,8 +100,10 @@ class Child:
             )
             self._jobs_in.write(json.dumps(line) + "\n")
             self._jobs_in.flush()
-        except OSError as error:
+        except BrokenPipeError as error:
             raise self._failure(f"{error.strerror or error}") from error
+        except OSError as error:
+            raise RenderError(f"it has no room for its files ({error.strerror})") from error
         return number
 
     def receive(self, number: int, view: int) -> Image:
@@ -158,7 +167,9 @@ class Child:
 
 
 def remedy(errors: str) -> str:
-    """What to install so that VTK draws, given what it said."""
+    """What to do so that VTK draws, given what was said."""
+    if "no room" in errors or os.strerror(errno.ENOSPC) in errors:
+        return "free some space in the folder of temporary files, or name another by TMPDIR"
     if "No module named 'vtk" in errors:
         return "install it with: pip install vtk"
     if not sys.platform.startswith("linux"):

@@ -9,7 +9,8 @@ from typing import TYPE_CHECKING
 
 from sheetmorph.core.errors import InputError
 from sheetmorph.core.events import Listener, Progress, silent
-from sheetmorph.core.files import write_bytes, write_text
+from sheetmorph.core.files import resumable, write_bytes, write_text, writing
+from sheetmorph.core.locks import sole_user
 from sheetmorph.geometry.writers import write_stl
 from sheetmorph.inverse.find import SearchOptions, find_design
 from sheetmorph.inverse.free import GRADED
@@ -94,34 +95,36 @@ def design_into(
         on_event: told of the progress.
 
     Raises:
-        InputError: as for `find_design` and `check_folder`.
+        InputError: as for `find_design` and `check_folder`; or another job is at work there.
         ComputationError: no design reached its end.
         OutputError: something could not be written; what is there is whole.
         KeyboardInterrupt: interrupted; the journal holds what was measured.
     """
     place = Path(folder)
-    check_folder(place, resume=resume, force=force)
-    if force:
-        for name in (*OUTPUTS, JOURNAL):
-            (place / name).unlink(missing_ok=True)
-    painter = RenderWorker.start() if pictures else None
-    try:
-        live = _Live(target, place / BEST, painter)
-        found = find_design(
-            target,
-            options,
-            journal=place / JOURNAL,
-            resume=resume,
-            processes=processes,
-            scheduler=scheduler,
-            on_event=on_event,
-            on_better=live,
-        )
-        on_event(Progress(0.96, "writing"))
-        written = write_found_folder(found, place, painter)
-    finally:
-        if painter is not None:
-            painter.close()
+    with sole_user(place):
+        check_folder(place, resume=resume, force=force)
+        if force:
+            with writing(place):
+                for name in (*OUTPUTS, JOURNAL):
+                    (place / name).unlink(missing_ok=True)
+        painter = RenderWorker.start() if pictures else None
+        try:
+            found = find_design(
+                target,
+                options,
+                journal=place / JOURNAL,
+                resume=resume,
+                processes=processes,
+                scheduler=scheduler,
+                on_event=on_event,
+                on_better=_Live(target, place / BEST, painter),
+            )
+            on_event(Progress(0.96, "writing"))
+            with resumable():
+                written = write_found_folder(found, place, painter)
+        finally:
+            if painter is not None:
+                painter.close()
     on_event(Progress(1.0, "done"))
     return found, written
 

@@ -7,7 +7,7 @@ from time import perf_counter
 
 from sheetmorph.core.errors import InputError
 from sheetmorph.core.events import Listener, Progress, silent
-from sheetmorph.core.files import write_text
+from sheetmorph.core.files import resumable, write_text
 from sheetmorph.core.locks import sole_user
 from sheetmorph.design.spec import Design
 from sheetmorph.geometry.writers import write_stl, write_vtu_series
@@ -91,38 +91,53 @@ def _run(
         result = simulate(design, on_event=on_event, journal=journal, resume=resume)
         if result.status == "interrupted":
             return result, notes
-        on_event(Progress(0.95, "writing"))
-        if modes:
-            on_event(Progress(0.95, "computing modes"))
-            found, result.summary["stability"] = stability_of(result, modes)
-            write_modes(found, place / "modes.h5")
-        result.save(place)
-        if result.motion is not None:
-            write_text(place / "motion.csv", result.motion.to_csv())
-        write_stl(place / "shape.stl", result.mesh.triangles, result.positions[-1])
-        if wanted.series:
-            write_series(result, place)
-        on_event(Progress(0.97, "drawing"))
-        result.summary["seconds"]["wall"] = perf_counter() - began
-        if draws or wanted.report:
-            shown = write_folder(
-                result,
-                place,
-                worker,
-                pictures=wanted.pictures,
-                animation=wanted.animation,
-                report=wanted.report,
-            )
-            notes += shown.notes
+        with resumable():
+            notes += _write(result, place, worker, modes, on_event, began)
+            result.summary["seconds"]["wall"] = perf_counter() - began
+            result.save_summary(place)
     finally:
         if worker is not None:
             worker.close()
-    result.summary["seconds"]["wall"] = perf_counter() - began
-    result.save_summary(place)
     if result.status not in RESUMABLE:
         journal.remove()
     on_event(Progress(1.0, "done"))
     return result, notes
+
+
+def _write(
+    result: Result,
+    place: Path,
+    worker: RenderWorker | None,
+    modes: int,
+    on_event: Listener,
+    began: float,
+) -> list[str]:
+    """Write all that the design asks for; returns notes for the user."""
+    wanted, notes = result.design.outputs, list[str]()
+    on_event(Progress(0.95, "writing"))
+    if modes:
+        on_event(Progress(0.95, "computing modes"))
+        found, result.summary["stability"] = stability_of(result, modes)
+        write_modes(found, place / "modes.h5")
+    result.save(place)
+    if result.motion is not None:
+        write_text(place / "motion.csv", result.motion.to_csv())
+    write_stl(place / "shape.stl", result.mesh.triangles, result.positions[-1])
+    if wanted.series:
+        write_series(result, place)
+    on_event(Progress(0.97, "drawing"))
+    result.summary["seconds"]["wall"] = perf_counter() - began
+    if wanted.pictures or wanted.animation or wanted.report:
+        shown = write_folder(
+            result,
+            place,
+            worker,
+            pictures=wanted.pictures,
+            animation=wanted.animation,
+            report=wanted.report,
+        )
+        notes += shown.notes
+    return notes
 
 
 def write_series(result: Result, folder: str | Path) -> Path:

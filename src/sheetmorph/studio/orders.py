@@ -9,10 +9,11 @@ from pathlib import Path
 from typing import Any
 
 from sheetmorph.core.errors import InputError, SheetmorphError
-from sheetmorph.core.files import write_text
+from sheetmorph.core.files import write_text, writing
 from sheetmorph.design.presets import PRESETS, preset_text
 from sheetmorph.studio.session import MAX_TEXT, Session
 from sheetmorph.studio.tasks import APPENDED
+from sheetmorph.studio.uploads import ROOM
 
 MAX_KEYS = 50
 MAX_VALUE = 200_000
@@ -93,7 +94,8 @@ def _export(session: Session, order: dict[str, Any]) -> None:
     kerf = order.get("kerf_mm", 0.0)
     if not isinstance(what, list) or not isinstance(kerf, int | float) or not 0 <= kerf <= 5:
         raise InputError("say what to export, and a kerf from 0 to 5 mm")
-    into = Path(tempfile.mkdtemp(prefix="export-", dir=session.scratch))
+    with writing("a folder for the files", ROOM):
+        into = Path(tempfile.mkdtemp(prefix="export-", dir=session.scratch))
     content = {"what": what, "printer": _text(order.get("printer")), "kerf": 1e-3 * kerf}
     session.help("export", {**content, "into": str(into)}, "writing files")
 

@@ -10,10 +10,12 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from sheetmorph.core.files import writing
 from sheetmorph.studio.frames import pack
 from sheetmorph.studio.history import History
 from sheetmorph.studio.outbox import Outbox
 from sheetmorph.studio.pool import Ended, Pool, Ticket, Worker
+from sheetmorph.studio.uploads import ROOM
 
 if TYPE_CHECKING:
     from starlette.websockets import WebSocket
@@ -138,11 +140,16 @@ class Session:
 
     @property
     def scratch(self) -> Path:
-        """A folder for what this tab uploads and exports; gone with it."""
+        """A folder for what this tab uploads and exports; gone with it.
+
+        Raises:
+            OutputError: it cannot be made.
+        """
         if self._scratch is None:
-            self._scratch = tempfile.TemporaryDirectory(
-                prefix="sheetmorph-studio-", ignore_cleanup_errors=True
-            )
+            with writing("a folder for this tab", ROOM):
+                self._scratch = tempfile.TemporaryDirectory(
+                    prefix="sheetmorph-studio-", ignore_cleanup_errors=True
+                )
         return Path(self._scratch.name)
 
     def leave(self) -> None:

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from sheetmorph.core.errors import InputError
+from sheetmorph.core.files import writing
 
 MB = 2**20
 
@@ -23,6 +24,9 @@ class Kind:
     endings: tuple[str, ...]
     most: int
 
+
+ROOM = "free some space in the folder of temporary files of the machine that runs the studio"
+"""What to do where a tab cannot have files."""
 
 KINDS = {
     "drawing": Kind((".svg", ".dxf", ".3mf", ".stl"), 20 * MB),
@@ -62,6 +66,7 @@ async def stored(
 
     Raises:
         InputError: of a format that is not read, empty, or too large; nothing is left of it.
+        OutputError: there is no room for it; nothing is left of it.
     """
     kind = KINDS[what]
     ending = checked_ending(what, name)
@@ -71,7 +76,7 @@ async def stored(
     target = folder / f"{what}{ending}"
     size = 0
     try:
-        with target.open("wb") as stream:
+        with writing(target.name, ROOM), target.open("wb") as stream:
             async for chunk in chunks:
                 size += len(chunk)
                 if size > kind.most:

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from sheetmorph import __version__
 from sheetmorph.core.errors import InputError
-from sheetmorph.core.files import replacing, write_text
+from sheetmorph.core.files import GO_ON, REMEDY, replacing, write_text, writing
 from sheetmorph.solve.path import PathState
 
 FOLDER = "states"
@@ -41,18 +41,23 @@ class Journal:
 
     @property
     def exists(self) -> bool:
-        """True when a run was begun here and not finished."""
-        return (self.folder / "journal.json").is_file()
+        """True when a run was begun here and not finished, and has states to go on from."""
+        return (self.folder / "journal.json").is_file() and self._file(0).is_file()
 
     def begin(self, design_hash: str) -> None:
-        """Start an empty journal; an old one and the outputs of its run are removed."""
+        """Start an empty journal; an old one and the outputs of its run are removed.
+
+        Raises:
+            OutputError: it cannot be written; the outputs are still there.
+        """
         self.remove()
-        for path in self.outdated:
-            path.unlink(missing_ok=True)
         write_text(
             self.folder / "journal.json",
             json.dumps({"design_hash": design_hash, "version": __version__}),
         )
+        for path in self.outdated:
+            with writing(path):
+                path.unlink(missing_ok=True)
 
     def write(self, index: int, state: PathState) -> None:
         """Keep one state.
@@ -69,7 +74,7 @@ class Journal:
         Raises:
             OutputError: it cannot be written.
         """
-        with replacing(self.folder / f"state_{index:05d}.npz") as partial:
+        with replacing(self._file(index), GO_ON if index else REMEDY) as partial:
             np.savez(partial, **arrays)
 
     def read(self, design_hash: str, size: int) -> list[PathState]:
@@ -107,7 +112,7 @@ class Journal:
             )
         files: list[Path] = []
         for index in range(100_000):
-            path = self.folder / f"state_{index:05d}.npz"
+            path = self._file(index)
             if not path.is_file():
                 break
             files.append(path)
@@ -118,9 +123,13 @@ class Journal:
             )
         return files
 
+    def _file(self, index: int) -> Path:
+        return self.folder / f"state_{index:05d}.npz"
+
     def remove(self) -> None:
         """Delete the journal; what is killed meanwhile leaves nothing that calls itself one."""
-        (self.folder / "journal.json").unlink(missing_ok=True)
+        with writing(self.folder):
+            (self.folder / "journal.json").unlink(missing_ok=True)
         shutil.rmtree(self.folder, ignore_errors=True)
 
 

@@ -10,7 +10,7 @@ import io
 import json
 import sqlite3
 from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Any, Self
 
@@ -18,6 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sheetmorph.core.errors import InputError, OutputError
+from sheetmorph.core.files import GO_ON, REMEDY, writing
 from sheetmorph.sweep.task import Outcome
 
 FILE = "unfinished.sqlite"
@@ -45,15 +46,17 @@ class Journal:
         path = folder / FILE
         if path.exists():
             cls._open(path).close()  # refused while another sweep holds it
-        for old in (path, path.with_name(FILE + "-journal")):
-            old.unlink(missing_ok=True)
-        try:
+        with writing(folder):
+            _delete(path)
             folder.mkdir(parents=True, exist_ok=True)
-        except OSError as error:
-            raise OutputError(f"{folder}: cannot be made ({error.strerror})") from error
-        journal = cls._open(path)
-        with journal._writing() as connection:
-            connection.execute("INSERT INTO about VALUES ('fingerprint', ?)", (fingerprint,))
+        try:
+            journal = cls._open(path)
+            with journal._writing(REMEDY) as connection:
+                connection.execute("INSERT INTO about VALUES ('fingerprint', ?)", (fingerprint,))
+        except OutputError:
+            with suppress(OSError):  # there is nothing in it to go on from
+                _delete(path)
+            raise
         return journal
 
     @classmethod
@@ -85,7 +88,7 @@ class Journal:
         try:
             connection = sqlite3.connect(path, timeout=0.5, isolation_level=None)
         except sqlite3.Error as error:
-            raise OutputError(f"{path}: cannot be opened ({error})") from error
+            raise OutputError(f"{path}: cannot be opened ({error}); {REMEDY}") from error
         try:
             connection.execute("PRAGMA locking_mode = EXCLUSIVE")
             connection.execute("BEGIN EXCLUSIVE")
@@ -96,7 +99,7 @@ class Journal:
             if "locked" in str(error):
                 raise InputError("another sweep is at work in this folder", file=path) from None
             if isinstance(error, sqlite3.OperationalError):
-                raise OutputError(f"{path}: cannot be written ({error})") from error
+                raise OutputError(f"{path}: cannot be written ({error}); {REMEDY}") from error
             raise InputError(
                 f"the unfinished sweep here is damaged ({error}); run with --force to start anew",
                 file=path,
@@ -147,15 +150,19 @@ class Journal:
         self.close()
 
     @contextmanager
-    def _writing(self) -> Iterator[sqlite3.Connection]:
+    def _writing(self, remedy: str = GO_ON) -> Iterator[sqlite3.Connection]:
         try:
             self._connection.execute("BEGIN IMMEDIATE")
             yield self._connection
             self._connection.execute("COMMIT")
         except sqlite3.DatabaseError as error:
-            raise OutputError(
-                f"{self.path}: cannot be written ({error}); free some space, then add --resume"
-            ) from error
+            raise OutputError(f"{self.path}: cannot be written ({error}); {remedy}") from error
+
+
+def _delete(path: Path) -> None:
+    """Delete a journal, and that of SQLite beside it."""
+    for old in (path, path.with_name(FILE + "-journal")):
+        old.unlink(missing_ok=True)
 
 
 def _packed(arrays: dict[str, NDArray[Any]] | None) -> bytes | None:

@@ -9,6 +9,7 @@ from time import perf_counter
 
 from sheetmorph.core.errors import InputError
 from sheetmorph.core.events import Event, Listener, Progress, Started, silent
+from sheetmorph.core.files import resumable, writing
 from sheetmorph.sweep import journal as journals
 from sheetmorph.sweep import states, table
 from sheetmorph.sweep.cluster import cluster, solved, usual_workers
@@ -97,9 +98,11 @@ def run_sweep(
             table.write_table(plan, journal.rows, place / table.FILE, complete=False)
             return progress.tally(perf_counter() - began, interrupted=True)
         on_event(Progress(1.0, "writing"))
-        if plan.states != "none":
-            states.write_states(journal.arrays(), len(plan), plan.fingerprint, place / states.FILE)
-        table.write_table(plan, journal.rows, place / table.FILE, complete=True)
+        with resumable():
+            if plan.states != "none":
+                packed = journal.arrays()
+                states.write_states(packed, len(plan), plan.fingerprint, place / states.FILE)
+            table.write_table(plan, journal.rows, place / table.FILE, complete=True)
         journal.remove()
     return progress.tally(perf_counter() - began)
 
@@ -108,8 +111,9 @@ def _journal(plan: Plan, place: Path, resume: bool) -> Journal:
     if resume:
         return Journal.resume(place, plan.fingerprint)
     journal = Journal.begin(place, plan.fingerprint)
-    for name in (table.FILE, states.FILE):
-        (place / name).unlink(missing_ok=True)
+    with writing(place):
+        for name in (table.FILE, states.FILE):
+            (place / name).unlink(missing_ok=True)
     return journal
 
 
