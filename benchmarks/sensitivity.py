@@ -1,26 +1,31 @@
 """What sensitivities cost beside the run they belong to. Prints a table; processor time.
 
-    python benchmarks/sensitivity.py
+    python benchmarks/sensitivity.py [NAME ...]
 
-The paper's designs, whose meshes SHEETMORPH_REFERENCE_DATA names, with a smeared pattern and a
-few oval pads added to it, so that there are thirty parameters of pattern, layers and actuation.
-"fields" is the adjoint with the derivatives by all fields, thousands of numbers, rest positions and
-corners of the pattern among them; "30 keys" the derivatives by the keys alone, without the fields
-they do not need.
+The paper's designs, whose meshes SHEETMORPH_REFERENCE_DATA names, with a smeared pattern and oval
+pads added to it: four of them, so that there are 30 parameters of pattern, layers and actuation,
+and on the bowl 72, for 302. "fields" is the adjoint with the derivatives by all fields, thousands
+of numbers, rest positions and corners of the pattern among them; "keys" the derivatives by the
+keys alone, without the fields they do not need. NAME is petals, bowl, canoe or pads.
 """
 
 from __future__ import annotations
 
+import sys
 from pathlib import Path
 from statistics import median
 from time import process_time
+
+import numpy as np
 
 import sheetmorph as sm
 from sheetmorph.study.sensitivity import distance_to, sensitivities
 
 PUBLISHED = Path(__file__).resolve().parents[1] / "examples" / "published"
 REPEAT = 7
-PADS = 4
+RUNS = 3
+FEW, MANY = 4, 72
+SHEETS = (("petals", FEW), ("bowl", FEW), ("canoe", FEW), ("bowl", MANY))
 SMEARED = {
     "mesh.pattern_smoothing": "6 mm",
     "actuation.distance": "pattern_boundary",
@@ -41,33 +46,42 @@ KEYS = [
     "pattern.0.rotation",
     "pattern.0.centre.0",
     "pattern.0.centre.1",
-    *(
-        f"pattern.{pad + 1}.{key}"
-        for pad in range(PADS)
-        for key in ("half_width", "half_height", "centre.0", "centre.1")
-    ),
     "published.coupling",
 ]
 
 
-def smeared(name: str, model: str) -> sm.Design:
-    """A published design with a smeared pattern and pads."""
+def keys_of(pads: int) -> list[str]:
+    """The keys above, and four of each pad."""
+    names = ("half_width", "half_height", "centre.0", "centre.1")
+    return [*KEYS, *(f"pattern.{pad + 1}.{name}" for pad in range(pads) for name in names)]
+
+
+def smeared(name: str, model: str, pads: int = FEW) -> sm.Design:
+    """A published design with a smeared pattern and pads, those of many ones smaller."""
     design = sm.Design.load(PUBLISHED / f"{name}.toml")
     low_x, low_y, high_x, high_y = design.outline_polygon().bounds
     first = dict(design.with_values({}).spec.pattern[0].model_dump(mode="json", exclude_unset=True))
-    pads = [
+    if pads == FEW:
+        sizes = ("3 mm", "4 mm")
+        places = [(0.25 + 0.5 * (pad % 2), 0.25 + 0.5 * (pad // 2)) for pad in range(pads)]
+    else:  # spread evenly over a disc, by the golden angle
+        sizes = ("1.2 mm", "1.6 mm")
+        steps = np.arange(pads) + 0.5
+        r, t = 0.45 * np.sqrt(steps / pads), np.pi * (3.0 - np.sqrt(5.0)) * steps
+        places = [(0.5 + x, 0.5 + y) for x, y in zip(r * np.cos(t), r * np.sin(t), strict=True)]
+    tables = [
         {
             "kind": "ellipse",
-            "half_width": "3 mm",
-            "half_height": "4 mm",
+            "half_width": sizes[0],
+            "half_height": sizes[1],
             "centre": [
-                f"{low_x + (0.25 + 0.5 * (pad % 2)) * (high_x - low_x)} m",
-                f"{low_y + (0.25 + 0.5 * (pad // 2)) * (high_y - low_y)} m",
+                f"{low_x + x * (high_x - low_x)} m",
+                f"{low_y + y * (high_y - low_y)} m",
             ],
         }
-        for pad in range(PADS)
+        for x, y in places
     ]
-    return design.with_values({"model": model, **SMEARED, "pattern": [in_text(first), *pads]})
+    return design.with_values({"model": model, **SMEARED, "pattern": [in_text(first), *tables]})
 
 
 def in_text(shape: dict[str, object]) -> dict[str, object]:
@@ -97,29 +111,38 @@ def seconds(result: sm.Result, keys: list[str], fields: tuple[str, ...] | None) 
 
 def main() -> None:
     """Print a row for each design and model."""
-    assert len(KEYS) == 30
-    print("| design | model | numbers in fields | run | fields | 30 keys | fields and keys |")
-    print("|---|---|---|---|---|---|---|")
-    for name in ("petals", "bowl", "canoe"):
+    wanted = sys.argv[1:]
+    print("| design | model | numbers in fields | run | fields | keys | | fields and keys |")
+    print("|---|---|---|---|---|---|---|---|")
+    for name, pads in SHEETS:
+        if wanted and ("pads" if pads == MANY else name) not in wanted:
+            continue
         for model in ("published", "laminate"):
-            design = smeared(name, model)
+            design, keys = smeared(name, model, pads), keys_of(pads)
             mesh = design.build_mesh()
             sm.simulate(design, mesh=mesh)
-            start = process_time()
-            result = sm.simulate(design, mesh=mesh)
-            run = process_time() - start
+            runs = []
+            for _ in range(RUNS):
+                start = process_time()
+                result = sm.simulate(design, mesh=mesh)
+                runs.append(process_time() - start)
+            run = median(runs)
+            told = f"| {name}{'' if pads == FEW else f', {pads} pads'} | {model} "
             if result.status != "completed":
-                print(f"| {name} | {model} | – | {result.status} | – | – | – |", flush=True)
+                print(f"{told}| – | {result.status} | – | – | – | – |", flush=True)
                 continue
             objective = distance_to(result.mesh.nodes, result.mesh.node_areas)
-            found = sensitivities(result, objective)
+            found = sensitivities(result, objective, keys)
             count = sum(array.size for array in (*found.fields.values(), *found.boundary.values()))
             costs = [
-                seconds(result, keys, fields) / run
-                for keys, fields in (([], None), (KEYS, ()), (KEYS, None))
+                seconds(result, some, fields) / run
+                for some, fields in (([], None), (keys, ()), (keys, None))
             ]
-            shown = " | ".join(f"{cost:.2f} of it" for cost in costs)
-            print(f"| {name} | {model} | {count} | {run:.2f} s | {shown} |", flush=True)
+            fields, alone, both = (f"{cost:.2f} of it" for cost in costs)
+            print(
+                f"{told}| {count} | {run:.2f} s | {fields} | {len(keys)} | {alone} | {both} |",
+                flush=True,
+            )
 
 
 if __name__ == "__main__":

@@ -10,14 +10,13 @@ from small import SMALL
 
 import sheetmorph as sm
 from sheetmorph.core.errors import ComputationError, InputError
+from sheetmorph.study.design_keys import number_at, with_number
 from sheetmorph.study.parameters import layer_presence
 from sheetmorph.study.sensitivity import (
     Objective,
     Sensitivities,
     distance_to,
-    number_at,
     sensitivities,
-    with_number,
 )
 
 SMEARED = {

@@ -8,11 +8,10 @@ from small import SMALL
 
 import sheetmorph as sm
 from sheetmorph.core.errors import ComputationError, InputError
+from sheetmorph.study.design_keys import number_at, with_number
 from sheetmorph.study.sensitivity import (
     distance_to,
-    number_at,
     sensitivities,
-    with_number,
 )
 from sheetmorph.study.simulate import simulate
 

@@ -163,6 +163,39 @@ def _smooth_share(design: Design, smooth: SmoothPattern, cover: Cover) -> Floats
     return np.asarray((1.0 - cover.covered) * share)
 
 
+def smooth_share_slopes(
+    design: Design, smooth: SmoothPattern, cover: Cover
+) -> tuple[Floats, Floats, Floats]:
+    """Derivatives of the share of the free strain at places that a smeared pattern covers.
+
+    Returns:
+        By the indicator `covered`, by the distance `away` [1/m] and by the greatest distance
+        [1/m], shape (N,) each; all zero where the share does not depend on the pattern.
+    """
+    options = design.actuation
+    inert = any(layer.role == "inert" for layer in design.layers)
+    if options.whole_sheet or (design.laminate and not inert):
+        none = np.zeros(len(cover.covered))
+        return none, none, none
+    factor = 1.0 - options.under_pattern
+    s = cover.away / smooth.farthest
+    slope = factor * (1.0 - cover.covered) * _profile_slope(s, options.profile, options.gamma)
+    return (
+        -factor * profile(s, options.profile, options.gamma),
+        slope / smooth.farthest,
+        -slope * s / smooth.farthest,
+    )
+
+
+def _profile_slope(fraction: Floats, kind: str, gamma: float | None) -> Floats:
+    """Derivative of `profile` by the fraction."""
+    if kind == "step":
+        return np.zeros_like(fraction)
+    if kind == "linear" or not gamma or gamma < 1e-17:
+        return np.ones_like(fraction)
+    return np.asarray(-gamma * np.exp(-gamma * fraction) / np.expm1(-gamma))
+
+
 def triangle_eigenstrain(design: Design, mesh: SheetMesh, region: Regions) -> Floats:
     """Free strain of an active layer at full actuation, shape (T, 3).
 
@@ -188,6 +221,17 @@ def triangle_eigenstrain(design: Design, mesh: SheetMesh, region: Regions) -> Fl
         along = design.eps_pre * triangle_share(design, mesh, region)
         across = options.transverse * along
     _check_strains(design, along, across)
+    return _tensors(design, mesh, along, across)
+
+
+def whole_strain(design: Design, mesh: SheetMesh) -> Floats:
+    """Free strain of triangles whose share of it is 1, as `triangle_eigenstrain`, shape (T, 3)."""
+    along = np.full(len(mesh.triangles), design.eps_pre)
+    return _tensors(design, mesh, along, design.actuation.transverse * along)
+
+
+def _tensors(design: Design, mesh: SheetMesh, along: Floats, across: Floats) -> Floats:
+    """(e11, e22, e12) of strains along and across the main directions, shape (T, 3)."""
     mean, half = 0.5 * (along + across), 0.5 * (along - across)
     c, s = _main_directions(design, mesh).T
     # With the angle a of the main direction: cos 2a = c² − s², sin 2a = 2 c s.

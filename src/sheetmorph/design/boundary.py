@@ -25,8 +25,8 @@ ROUND = 0.5
 """Below this distance, in widths, the crease at the boundary itself is rounded."""
 GROUP = 16
 """Sides that share a box, by which those far away are passed over."""
-NEGLIGIBLE = 30.0
-"""Sides farther than the nearest by more than this many ranges do not count: e⁻³⁰ = 10⁻¹³."""
+NEGLIGIBLE = 20.0
+"""Sides farther than the nearest by more than this many ranges do not count: e⁻²⁰ = 2·10⁻⁹."""
 LAST = math.exp(-NEGLIGIBLE)
 """Taken off every weight, so that it is nothing where a side ceases to count."""
 
@@ -259,7 +259,7 @@ def _distances(px, py, corners, sides, box, squares):  # type: ignore[no-untyped
 
 @kernel
 def _nearby(px, py, corners, sides, boxes, rounding, blend, bounds, squares):  # type: ignore[no-untyped-def]
-    """Squared distances from the sides that count, infinite from others.
+    """Squared distances from the sides of all boxes that are within the limit.
 
     Returns:
         Distance from the nearest side, and that beyond which a side does not count.
@@ -269,81 +269,124 @@ def _nearby(px, py, corners, sides, boxes, rounding, blend, bounds, squares):  #
         bounds[box] = _outside(px, py, boxes[box])
         if bounds[box] < bounds[first]:
             first = box
-    squares[:] = math.inf
     nearest = math.sqrt(_distances(px, py, corners, sides, first, squares))
+    limit = max(nearest, rounding) + NEGLIGIBLE * blend
     for box in range(len(boxes)):
-        if box != first and bounds[box] < max(nearest, rounding) + NEGLIGIBLE * blend:
+        if box != first and bounds[box] < limit:
             square = _distances(px, py, corners, sides, box, squares)
-            nearest = min(nearest, math.sqrt(square))
-    return nearest, max(nearest, rounding) + NEGLIGIBLE * blend
+            if square < nearest * nearest:
+                nearest = math.sqrt(square)
+                limit = max(nearest, rounding) + NEGLIGIBLE * blend
+    return nearest, limit
 
 
 @kernel
-def _blend(px, py, corners, sides, boxes, rounding, blend, bounds, squares):  # type: ignore[no-untyped-def]
-    """Weighted mean of u, sum of the weights, least u, and the distance that does not count."""
+def _blend(px, py, corners, sides, lengths, boxes, rounding, blend, bounds, squares, near, over):  # type: ignore[no-untyped-def]
+    """Weighted mean of u, and the sum of the weights; `near` lists the sides that count.
+
+    `squares` has u of these sides, `over` has exp((least − u)/k).
+
+    Returns:
+        The mean, the sum, and how many sides count.
+    """
     nearest, limit = _nearby(px, py, corners, sides, boxes, rounding, blend, bounds, squares)
     least = _rounded(nearest, rounding)
-    whole, mean = 0.0, 0.0
+    whole, mean, count = 0.0, 0.0, 0
     for box in range(len(boxes)):
         if bounds[box] >= limit:
             continue
         for k in range(box * GROUP, min((box + 1) * GROUP, len(sides))):
             if squares[k] < limit * limit:
-                j = sides[k]
-                ex, ey = corners[j + 1, 0] - corners[j, 0], corners[j + 1, 1] - corners[j, 1]
-                length = math.sqrt(ex * ex + ey * ey)
                 value = _rounded(math.sqrt(squares[k]), rounding)
-                over = math.exp((least - value) / blend)
-                weight = length / (length + blend) * max(over - LAST, 0.0)
+                factor = math.exp((least - value) / blend)
+                if factor <= LAST:
+                    continue
+                weight = lengths[k] / (lengths[k] + blend) * (factor - LAST)
                 whole += weight
                 mean += weight * value
-    return mean / whole, whole, least, limit
+                squares[k], over[k], near[count] = value, factor, k
+                count += 1
+    return mean / whole, whole, count
+
+
+@kernel
+def _lengths(corners, sides):  # type: ignore[no-untyped-def]
+    found = np.empty(len(sides))
+    for k in range(len(sides)):
+        j = sides[k]
+        ex, ey = corners[j + 1, 0] - corners[j, 0], corners[j + 1, 1] - corners[j, 1]
+        found[k] = math.sqrt(ex * ex + ey * ey)
+    return found
 
 
 @kernel
 def _blended(points, corners, sides, boxes, blend, rounding, found):  # type: ignore[no-untyped-def]
     bounds, squares = np.empty(len(boxes)), np.empty(len(sides))
+    near, over = np.empty(len(sides), np.int64), np.empty(len(sides))
+    lengths = _lengths(corners, sides)
     for i in range(len(points)):
-        px, py = points[i, 0], points[i, 1]
-        mean, _, _, _ = _blend(px, py, corners, sides, boxes, rounding, blend, bounds, squares)
-        found[i] = mean
+        found[i], _, _ = _blend(
+            points[i, 0],
+            points[i, 1],
+            corners,
+            sides,
+            lengths,
+            boxes,
+            rounding,
+            blend,
+            bounds,
+            squares,
+            near,
+            over,
+        )
 
 
 @kernel
 def _pull_blended(points, weights, corners, sides, boxes, blend, rounding, found):  # type: ignore[no-untyped-def]
     bounds, squares = np.empty(len(boxes)), np.empty(len(sides))
+    near, over = np.empty(len(sides), np.int64), np.empty(len(sides))
+    lengths = _lengths(corners, sides)
     for i in range(len(points)):
         px, py = points[i, 0], points[i, 1]
-        mean, whole, least, limit = _blend(
-            px, py, corners, sides, boxes, rounding, blend, bounds, squares
+        mean, whole, count = _blend(
+            px,
+            py,
+            corners,
+            sides,
+            lengths,
+            boxes,
+            rounding,
+            blend,
+            bounds,
+            squares,
+            near,
+            over,
         )
-        k = -1
-        while k + 1 < len(sides):
-            k += 1
-            if bounds[k // GROUP] >= limit:
-                k += GROUP - 1 - k % GROUP
-                continue
-            if squares[k] >= limit * limit:
-                continue
-            j = sides[k]
+        part = weights[i] / whole
+        nearest, spread = near[0], 0.0
+        for n in range(count):
+            k = near[n]
+            spread += lengths[k] / (lengths[k] + blend) * (squares[k] - mean)
+            if squares[k] < squares[nearest]:
+                nearest = k
+        for n in range(count):
+            k = near[n]
+            j, length, value = sides[k], lengths[k], squares[k]
             ax, ay = px - corners[j, 0], py - corners[j, 1]
             ex, ey = corners[j + 1, 0] - corners[j, 0], corners[j + 1, 1] - corners[j, 1]
-            squared = ex * ex + ey * ey
-            length = math.sqrt(squared)
-            t = min(max((ax * ex + ay * ey) / squared, 0.0), 1.0)
+            t = min(max((ax * ex + ay * ey) / (length * length), 0.0), 1.0)
             x, y = ax - t * ex, ay - t * ey
             d = math.sqrt(x * x + y * y)
-            value = _rounded(d, rounding)
             slope = 1.0 / max(d, 1e-300)
             if d < rounding:
                 slope = (3.0 - (d / rounding) ** 2) / (2.0 * rounding)
-            part, over = weights[i] / whole, math.exp((least - value) / blend)
-            if over <= LAST:
-                continue
-            count = length / (length + blend)
-            pull = -part * count * (over - LAST - over * (value - mean) / blend) * slope
-            longer = (over - LAST) * (value - mean) * blend / (length + blend) ** 2 / length
-            longer *= part
+            share = length / (length + blend)
+            beyond = over[k] - LAST
+            turn = share * (beyond - over[k] * (value - mean) / blend)
+            if k == nearest:  # which sets from where on sides do not count
+                turn += LAST * spread / blend
+            pull = -part * turn * slope
+            longer = part * beyond * (value - mean) * blend / (length + blend) ** 2 / length
             found[j, 0] += (1.0 - t) * pull * x - longer * ex
             found[j, 1] += (1.0 - t) * pull * y - longer * ey
             found[j + 1, 0] += t * pull * x + longer * ex

@@ -136,6 +136,28 @@ def tapered_stiffness(thicknesses: Floats, plate_moduli: Floats) -> tuple[Floats
     return membrane, (weights * (thicknesses**2 / 12.0 + offsets**2)).sum(axis=0)
 
 
+def tapered_slopes(thicknesses: Floats, plate_moduli: Floats) -> tuple[Floats, Floats]:
+    """Derivatives of the D of `tapered_stiffness` by thicknesses [N] and by Y [m³].
+
+    D = Σ Y h (h²/12 + (y − ȳ)²), in which ȳ makes it least. A thicker layer lifts those above it.
+
+    Args:
+        thicknesses: [m], shape (layers, N).
+        plate_moduli: Y [Pa], shape (layers, N).
+
+    Returns:
+        Shape (layers, N) each.
+    """
+    middles = np.cumsum(thicknesses, axis=0) - 0.5 * thicknesses
+    weights = plate_moduli * thicknesses
+    offsets = middles - (weights * middles).sum(axis=0) / weights.sum(axis=0)
+    inertia = thicknesses**2 / 12.0 + offsets**2
+    moments = weights * offsets
+    above = moments.sum(axis=0) - np.cumsum(moments, axis=0)
+    lifted = moments + 2.0 * above
+    return plate_moduli * (inertia + thicknesses**2 / 6.0) + lifted, thicknesses * inertia
+
+
 @dataclass(frozen=True, eq=False)
 class PublishedStiffness:
     """Stiffness of the published model on a mesh.

@@ -35,21 +35,33 @@ def load_forces(design: Design, mesh: SheetMesh, region: Regions) -> Floats:
     """
     forces = np.zeros((len(mesh.nodes), 3))
     for index, load in enumerate(design.loads):
-        _add(forces, load, mesh, region, f"loads[{index}]")
+        forces += force_of(load, mesh, region, f"loads[{index}]")
     if design.loads and design.is_free:
         _check_balance(forces, mesh)
     return forces
 
 
-def _add(forces: Floats, load: Load, mesh: SheetMesh, region: Regions, key: str) -> None:
+def force_of(load: Load, mesh: SheetMesh, region: Regions, key: str) -> Floats:
+    """Forces of one load at its full size on the nodes [N], shape (V, 3).
+
+    Args:
+        load: the load.
+        mesh: the mesh.
+        region: what lies where.
+        key: of its table, for messages.
+
+    Raises:
+        InputError: no node or edge where it acts.
+    """
     if isinstance(load, PointLoad):
-        forces[_node(load, mesh, key)] += load.force
-    elif isinstance(load, LineLoad):
-        forces += _along_edges(load, mesh, key)
-    elif isinstance(load, AreaLoad):
-        forces += mesh.node_areas[:, None] * np.array(load.force_per_area)
-    else:
-        forces += _weights(mesh, region, load.gravity, load.direction)
+        forces = np.zeros((len(mesh.nodes), 3))
+        forces[_node(load, mesh, key)] = load.force
+        return forces
+    if isinstance(load, LineLoad):
+        return _along_edges(load, mesh, key)
+    if isinstance(load, AreaLoad):
+        return np.asarray(mesh.node_areas[:, None] * np.array(load.force_per_area))
+    return _weights(mesh, region, load.gravity, load.direction)
 
 
 def gravity_forces(design: Design, mesh: SheetMesh, region: Regions) -> Floats:

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from copy import copy
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Self
 
 import numpy as np
 from scipy.spatial import cKDTree
@@ -98,6 +99,14 @@ class SelfContact:
                     key="contact.gap" if shield.gap else "contact.self_contact",
                     allowed="a smaller gap and range; cuts with a width",
                 )
+
+    def with_shields(self, shields: Sequence[Shield]) -> Self:
+        """The same contact with other gaps, ranges and forces; what does not meet stays."""
+        other = copy(self)
+        other.growth, other.shields = Growth(), tuple(shields)
+        other._potentials = [self._potential(shield) for shield in shields]
+        other.begin()
+        return other
 
     def _collision_mesh(self, mesh: SheetMesh, shield: Shield) -> Any:
         made = self._ipctk.CollisionMesh(

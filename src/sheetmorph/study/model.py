@@ -73,18 +73,21 @@ class Problem:
         return x[: self.mesh.nodes.size].reshape(-1, 3)
 
 
-def build_problem(design: Design, mesh: SheetMesh | None = None) -> Problem:
+def build_problem(
+    design: Design, mesh: SheetMesh | None = None, region: Regions | None = None
+) -> Problem:
     """Mesh the design and set up its energy.
 
     Args:
         design: the design.
         mesh: reference mesh to take in the place of the design's own.
+        region: what lies where on this mesh, if it is known.
 
     Raises:
         InputError: the mesh, the supports or the actuation do not fit together.
     """
     mesh = design.build_mesh() if mesh is None else mesh
-    region = regions(design, mesh)
+    region = regions(design, mesh) if region is None else region
     eigenstrain = thermal_strain(design, mesh, region)
     model = (
         laminate_parts(design, mesh, region)

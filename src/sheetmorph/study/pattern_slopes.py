@@ -3,37 +3,34 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
 
+from sheetmorph.design.actuation import smooth_share_slopes, whole_strain
 from sheetmorph.design.boundary import Boundary
 from sheetmorph.design.layout import joined
 from sheetmorph.design.meshing import hinge_orientation
-from sheetmorph.design.regions import Regions, hinge_face
+from sheetmorph.design.regions import hinge_face
 from sheetmorph.design.smoothing import (
     SOFTNESS,
-    Cover,
     SmoothPattern,
     farthest_from,
     smooth_boundaries,
     smooth_sign_slope,
 )
 from sheetmorph.design.spec import Design
-from sheetmorph.geometry.mesh import Floats, SheetMesh
+from sheetmorph.geometry.mesh import Floats
 from sheetmorph.study.model import Problem
-from sheetmorph.study.parameters import model_arrays
+from sheetmorph.study.shape_slopes import ShapeSlopes, followed
 
 if TYPE_CHECKING:
     from shapely import MultiPolygon
-    from shapely.geometry.base import BaseGeometry
 
-STEP = 1e-5
-"""Of central differences of arrays, in indicators and in widths of the smoothing."""
-JUMP = 1e-3
-"""Corners that move farther than this for a small step, in widths of the sheet, are others."""
-NEGLIGIBLE = 1e-15
+    from sheetmorph.design.piece import Piece
+
+NEGLIGIBLE = 1e-13
 """Shares of the greatest distance that are left out."""
 TOGETHER = "*"
 """Name of all inert parts together, where there are several."""
@@ -58,61 +55,79 @@ class _Felt:
 
 @dataclass(frozen=True, eq=False)
 class PatternSlopes:
-    """Derivatives by the corners of the drawn parts of a pattern.
+    """Derivatives by the corners of the drawn parts of a pattern, and by those of its shapes.
 
     Attributes:
+        design: the design.
         boundaries: of the parts; of all inert ones together under `TOGETHER` if they are several.
         by_corner: derivatives by the corners of each, shape (M, 2).
-        design: the design.
-        regions: of the shapes that make the pattern.
+        shapes: derivatives by the corners of the shapes from which the parts are drawn.
         width: of the smoothing [m].
         felt: what they come from.
     """
 
     design: Design
-    regions: Sequence[BaseGeometry]
     boundaries: Mapping[str, Boundary]
     by_corner: Mapping[str, Floats]
+    shapes: ShapeSlopes
     width: float
     felt: tuple[_Felt, ...]
 
     @classmethod
-    def of(cls, problem: Problem, fields: Mapping[str, Floats]) -> PatternSlopes:
-        """Carry derivatives by the fields of the model on to the corners of the pattern."""
+    def of(
+        cls, problem: Problem, fields: Mapping[str, Floats], by_mass: Floats | None
+    ) -> PatternSlopes:
+        """Carry derivatives by the fields of the model on to the corners of the pattern.
+
+        Args:
+            problem: the problem.
+            fields: derivatives by the fields of the model, those by the layers among them.
+            by_mass: by the masses of the triangles [1/kg], shape (T,); None where nothing weighs.
+        """
         smooth = problem.regions.smooth
         assert smooth is not None  # noqa: S101  the caller has made sure
         design = problem.design
-        sheet = design.outline_polygon()
-        boundaries = _boundaries(design, design.layout.drawn)
-        felt = _felt(problem, smooth, fields)
+        boundaries, whole = _boundaries(design, design.layout.drawn)
+        felt = _felt(problem, smooth, whole, fields, by_mass)
         by_corner = {name: np.zeros_like(edge.corners) for name, edge in boundaries.items()}
         for one in felt:
             by_corner[one.name] += boundaries[one.name].onto_corners(
                 one.points, one.by_share, one.by_away, smooth.width
             )
-        regions = [piece.region(sheet) for piece in design.pattern]
-        return cls(design, regions, boundaries, by_corner, smooth.width, felt)
+        members = {name: _members(design, name) for name in boundaries}
+        shapes = ShapeSlopes.of(design, boundaries, by_corner, members)
+        return cls(design, boundaries, by_corner, shapes, smooth.width, felt)
 
-    def towards(self, ahead: Design, shape: int) -> float:
-        """Change of the function, to first order, to a design that differs a little in one shape.
+    def by_number(self, shape: int, ahead: Piece, behind: Piece, step: float) -> float:
+        """Derivative by a number of one shape.
+
+        Its corners alone are looked at. Where one of them comes or goes, or the shape touches
+        another so that corners of the part do, the whole pattern is drawn anew.
+
+        Args:
+            shape: index of the shape of the pattern.
+            ahead: the same with the number larger by the step.
+            behind: smaller by it.
+            step: in the unit of the number.
+        """
+        found = self.shapes.by_number(shape, ahead, behind, step)
+        return self._towards(shape, ahead) / step if found is None else found
+
+    def _towards(self, shape: int, ahead: Piece) -> float:
+        """Change of the function, to first order, as one shape becomes another.
 
         Corners are followed where both boundaries have the same ones; where a corner comes or
         goes, indicators and distances are computed anew.
-
-        Args:
-            ahead: the other design.
-            shape: index of the shape of the pattern that differs.
         """
-        sheet = self.design.outline_polygon()
-        regions = list(self.regions)
-        regions[shape] = ahead.pattern[shape].region(sheet)
-        boundaries = _boundaries(ahead, joined(ahead.pattern, regions))
-        reach = JUMP * float(np.ptp(np.array(sheet.bounds).reshape(2, 2), axis=0).max())
+        regions = list(self.shapes.regions)
+        regions[shape] = ahead.region(self.design.outline_polygon())
+        boundaries, _ = _boundaries(self.design, joined(self.design.pattern, regions))
         total = 0.0
         for name, edge in self.boundaries.items():
             far = boundaries[name]
-            if _same_corners(edge, far, reach):
-                total += float((self.by_corner[name] * (far.corners - edge.corners)).sum())
+            corners = followed(edge.corners, far.corners, self.shapes.jump)
+            if corners is not None:
+                total += float((self.by_corner[name] * (corners - edge.corners)).sum())
                 continue
             total += sum(
                 _change(one, far, edge, self.width) for one in self.felt if one.name == name
@@ -120,17 +135,23 @@ class PatternSlopes:
         return total
 
 
-def _boundaries(design: Design, drawn: Mapping[str, MultiPolygon]) -> dict[str, Boundary]:
+def _boundaries(
+    design: Design, drawn: Mapping[str, MultiPolygon]
+) -> tuple[dict[str, Boundary], str]:
+    """The boundaries of the parts, and the name of that of all inert ones together."""
     parts, whole = smooth_boundaries(design, drawn)
-    alone = any(edge is whole for edge in parts.values())
-    return {**parts} if alone else {**parts, TOGETHER: whole}
+    for name, edge in parts.items():
+        if edge is whole:
+            return {**parts}, name
+    return {**parts, TOGETHER: whole}, TOGETHER
 
 
-def _same_corners(edge: Boundary, other: Boundary, reach: float) -> bool:
-    """Whether another boundary has the same corners in the same order, moved by less than this."""
-    if other.corners.shape != edge.corners.shape or not np.array_equal(other.sides, edge.sides):
-        return False
-    return bool(np.abs(other.corners - edge.corners).max() < reach)
+def _members(design: Design, name: str) -> Sequence[int]:
+    """Indices of the shapes that make a boundary."""
+    inert = {layer.where for layer in design.layers if layer.role == "inert"}
+    parts = {piece.part for piece in design.pattern}
+    wanted = ((parts & inert) or parts) if name == TOGETHER else {name}
+    return [index for index, piece in enumerate(design.pattern) if piece.part in wanted]
 
 
 def _change(felt: _Felt, far: Boundary, near: Boundary, width: float) -> float:
@@ -142,87 +163,66 @@ def _change(felt: _Felt, far: Boundary, near: Boundary, width: float) -> float:
 
 
 def _felt(
-    problem: Problem, smooth: SmoothPattern, fields: Mapping[str, Floats]
+    problem: Problem,
+    smooth: SmoothPattern,
+    whole: str,
+    fields: Mapping[str, Floats],
+    by_mass: Floats | None,
 ) -> tuple[_Felt, ...]:
-    """Derivatives by indicators and distances of every part, at elements and nodes."""
+    """Derivatives by indicators and distances of every part, at edges, triangles and nodes.
+
+    Args:
+        problem: the problem.
+        smooth: its pattern.
+        whole: name of the boundary of all inert parts together.
+        fields: derivatives by the fields of the model.
+        by_mass: by the masses of the triangles.
+    """
     design, mesh = problem.design, problem.mesh
-    key = "triangles" if design.laminate else "edges"
+    places = {
+        "edges": mesh.edge_midpoints,
+        "triangles": mesh.triangle_centroids,
+        "nodes": np.ascontiguousarray(mesh.nodes[:, :2]),
+    }
+    by_share: dict[tuple[str, str], Floats] = {}
+    by_away: dict[tuple[str, str], Floats] = {}
+
+    def add(name: str, where: str, share: Floats | float, away: Floats | float = 0.0) -> None:
+        for found, more in ((by_share, share), (by_away, away)):
+            before = found.setdefault((name, where), np.zeros(len(places[where])))
+            found[name, where] = before + more
+
+    own = "triangles" if design.laminate else "edges"
     cover = smooth.triangles if design.laminate else smooth.edges
-    points = mesh.triangle_centroids if design.laminate else mesh.edge_midpoints
+    for index, layer in enumerate(design.layers):
+        if layer.where in smooth.names:
+            add(layer.where, own, fields["thickness"][index] * layer.thickness)
+            if by_mass is not None:
+                areal = layer.density * layer.thickness
+                add(layer.where, "triangles", by_mass * mesh.triangle_areas * areal)
 
-    def rates(ahead: Regions, behind: Regions, step: float) -> dict[str, Floats]:
-        """Slopes of the arrays of the model."""
-        ends = [model_arrays(design, mesh, one, "pattern") for one in (ahead, behind)]
-        return {k: (ends[0][k] - ends[1][k]) / (2.0 * step) for k in ends[0] if k in fields}
-
-    def by(cover_ahead: Cover, cover_behind: Cover, step: float) -> Floats:
-        """Derivative at each element by what differs between two covers."""
-        ahead = _with(problem.regions, smooth, key, cover_ahead)
-        behind = _with(problem.regions, smooth, key, cover_behind)
-        return _at_places(mesh, fields, rates(ahead, behind, step), design.laminate)
-
-    none = np.zeros(len(points))
-    found = []
-    for row, name in enumerate(smooth.names):
-        moved = np.zeros_like(cover.parts)
-        moved[row] = STEP
-        slope = by(
-            replace(cover, parts=cover.parts + moved),
-            replace(cover, parts=cover.parts - moved),
-            STEP,
-        )
-        found.append(_Felt(name, points, slope, none))
-    whole = _name_of_whole(design)
-    by_covered = by(
-        replace(cover, covered=cover.covered + STEP),
-        replace(cover, covered=cover.covered - STEP),
-        STEP,
-    )
-    step = STEP * smooth.width
-    by_away = by(
-        replace(cover, away=cover.away + step), replace(cover, away=cover.away - step), step
-    )
-    found.append(_Felt(whole, points, by_covered, by_away))
-    ends = [_with(problem.regions, smooth, "farthest", smooth.farthest + s) for s in (step, -step)]
-    farthest = rates(ends[0], ends[1], step)
-    total = sum(float((fields[k] * rate).sum()) for k, rate in farthest.items())
+    by_strain = fields["eigenstrain"]
+    if design.laminate:
+        by_strain = (by_strain * whole_strain(design, mesh)).sum(axis=1)
+    else:
+        by_strain = by_strain * design.eps_pre
+    covered, away, farthest = smooth_share_slopes(design, smooth, cover)
+    add(whole, own, by_strain * covered, by_strain * away)
+    total = float(by_strain @ farthest)
     _, weights = farthest_from(smooth.nodes, smooth.edges, mesh, smooth.width)
     weights[weights < NEGLIGIBLE] = 0.0
     at_nodes, at_edges = np.split(total * weights, [len(mesh.nodes)])
     if not design.laminate:
         at_nodes = at_nodes + _by_side(problem, smooth, fields["coupling"])
-    for plane, one, slope in (
-        (mesh.nodes[:, :2].copy(), smooth.nodes, at_nodes),
-        (mesh.edge_midpoints, smooth.edges, at_edges),
+    for where, one, slope in (
+        ("nodes", smooth.nodes, at_nodes),
+        ("edges", smooth.edges, at_edges),
     ):
-        found.append(
-            _Felt(whole, plane, -2.0 * slope * one.away, slope * (1.0 - 2.0 * one.covered))
-        )
-    return tuple(found)
-
-
-def _name_of_whole(design: Design) -> str:
-    parts, whole = smooth_boundaries(design)
-    return next((name for name, edge in parts.items() if edge is whole), TOGETHER)
-
-
-def _with(region: Regions, smooth: SmoothPattern, key: str, value: Cover | float) -> Regions:
-    return replace(region, smooth=replace(smooth, **{key: value}))  # type: ignore[arg-type]
-
-
-def _at_places(
-    mesh: SheetMesh, fields: Mapping[str, Floats], rates: Mapping[str, Floats], laminate: bool
-) -> Floats:
-    """Products of derivatives and rates, summed at each edge or triangle."""
-    if laminate:
-        return np.asarray(
-            (fields["eigenstrain"] * rates["eigenstrain"]).sum(axis=1)
-            + (fields["thickness"] * rates["thickness"]).sum(axis=0)
-        )
-    found = fields["eigenstrain"] * rates["eigenstrain"]
-    found = found + fields["stretch_stiffness"] * rates["stretch_stiffness"]
-    found[mesh.hinge_edges[:, 0]] += fields["bending_stiffness"] * rates["bending_stiffness"]
-    return np.asarray(found)
+        add(whole, where, -2.0 * slope * one.away, slope * (1.0 - 2.0 * one.covered))
+    return tuple(
+        _Felt(name, places[where], share, by_away[name, where])
+        for (name, where), share in by_share.items()
+    )
 
 
 def _by_side(problem: Problem, smooth: SmoothPattern, by_coupling: Floats) -> Floats:

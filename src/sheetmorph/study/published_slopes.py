@@ -4,13 +4,18 @@ from __future__ import annotations
 
 import numpy as np
 
-from sheetmorph.design.laminate import BENDING, LayerStack, tapered_stiffness
-from sheetmorph.design.sections import EVERYWHERE
+from sheetmorph.design.laminate import (
+    BENDING,
+    LayerStack,
+    tapered_slopes,
+    tapered_stiffness,
+)
 from sheetmorph.energy.hinge import CoupledHinge
 from sheetmorph.energy.stretch import EdgeStretch
 from sheetmorph.geometry import surface
 from sheetmorph.geometry.mesh import Floats, SheetMesh
 from sheetmorph.study.model import Problem
+from sheetmorph.study.parameters import layer_presence
 from sheetmorph.study.published_model import SIGNS
 
 STEP = 1e-5
@@ -80,44 +85,23 @@ def layer_fields(problem: Problem, fields: dict[str, Floats]) -> dict[str, Float
     hinge. A layer that does not lie there has thickness 0 and a derivative all the same: what
     laying it down would do.
     """
-    design, mesh, region = problem.design, problem.mesh, problem.regions
+    design, mesh = problem.design, problem.mesh
     whole = LayerStack.of(design.layers)
-    if region.smooth is not None:
-        shares = region.smooth.layer_shares(design, region.smooth.edges)
-    else:
-        rows = [
-            [layer.where == EVERYWHERE or layer.where in cell.parts for cell in region.cells]
-            for layer in design.layers
-        ]
-        shares = np.array(rows, dtype=np.float64)[:, region.edge_cell]
+    shares = layer_presence(design, problem.regions, edges=True)
     thickness = shares * whole.thicknesses[:, None]
     young = np.broadcast_to(whole.young_moduli[:, None], shares.shape)
     poisson = np.broadcast_to(whole.poisson_ratios[:, None], shares.shape)
-    membrane, _ = tapered_stiffness(thickness, young / (1.0 - poisson**2))
+    moduli = young / (1.0 - poisson**2)
+    membrane, _ = tapered_stiffness(thickness, moduli)
     by_membrane = fields["stretch_stiffness"] * problem.model.stretch_stiffness / membrane
     by_rigidity = np.zeros(len(mesh.edges))
     by_rigidity[mesh.hinge_edges[:, 0]] = BENDING * fields["bending_stiffness"]
-
-    def slope(which: int, layer: int, step: float) -> Floats:
-        values = [thickness, young, poisson]
-        ends = []
-        for sign in (step, -step):
-            moved = values[which].copy()
-            moved[layer] += sign
-            h, y, v = (moved if k == which else value for k, value in enumerate(values))
-            ends.append(tapered_stiffness(h, y / (1.0 - v**2)))
-        (a, b), (c, d) = ends
-        return np.asarray((by_membrane * (a - c) + by_rigidity * (b - d)) / (2.0 * step))
-
-    steps = (
-        np.full(len(design.layers), STEP * whole.thickness),
-        STEP * whole.young_moduli,
-        np.full(len(design.layers), STEP),
-    )
-    names = ("thickness", "young_modulus", "poisson_ratio")
+    by_thickness, by_modulus = tapered_slopes(thickness, moduli)
+    by_plate = by_membrane * thickness + by_rigidity * by_modulus
     return {
-        name: np.stack([slope(k, i, float(steps[k][i])) for i in range(len(design.layers))])
-        for k, name in enumerate(names)
+        "thickness": by_membrane * moduli + by_rigidity * by_thickness,
+        "young_modulus": by_plate / (1.0 - poisson**2),
+        "poisson_ratio": by_plate * 2.0 * poisson * moduli / (1.0 - poisson**2),
     }
 
 

@@ -3,27 +3,21 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Collection, Mapping, Sequence
-from dataclasses import dataclass, replace
-from typing import Any
+from dataclasses import dataclass
 
 import numpy as np
-from pydantic import BaseModel
 
-from sheetmorph.core.errors import ComputationError, InputError, nearest
-from sheetmorph.design.laminate import stack_of
-from sheetmorph.design.regions import Regions
-from sheetmorph.design.spec import Design
+from sheetmorph.core.errors import ComputationError, InputError
 from sheetmorph.energy.guard import TriangleGuard
-from sheetmorph.energy.loads import NodalLoad
 from sheetmorph.geometry.mesh import Floats
 from sheetmorph.solve.adjoint import adjoint_state
 from sheetmorph.solve.constraints import HeldDofs
 from sheetmorph.solve.linear import make_solver
 from sheetmorph.solve.system import System
+from sheetmorph.study.design_keys import number_at
+from sheetmorph.study.key_slopes import KeySlopes
 from sheetmorph.study.laminate_slopes import laminate_fields
 from sheetmorph.study.model import Problem, build_problem
-from sheetmorph.study.parameters import model_arrays
-from sheetmorph.study.pattern_slopes import PatternSlopes
 from sheetmorph.study.published_slopes import layer_fields, published_fields, published_rest
 from sheetmorph.study.result import Result
 
@@ -31,19 +25,7 @@ Objective = Callable[[Floats], tuple[float, Floats]]
 """From node positions (V, 3) [m] to a value and its derivative with respect to them (V, 3)."""
 
 STEP = 1e-5
-"""Relative step of the central differences of forces and strains, at fixed positions."""
-
-SMALL_STEP = 1e-7
-"""Relative step by which corners of the pattern are moved, to one side."""
-
-UNCHANGED = ("outline", "mesh", "supports")
-"""Tables of the design that decide on the mesh and on what is held: not differentiated."""
-
-DISCRETE = ("random_polygons", "drawing")
-"""Kinds of shapes that do not follow their numbers smoothly."""
-
-FROM_ZERO = ("fillet", "corner_radius", "hub_radius", "disc_radius")
-"""Sizes in a pattern that are nothing at 0."""
+"""Relative step of the central difference of forces along the adjoint."""
 
 LAYER_FIELDS = frozenset({"thickness", "young_modulus", "poisson_ratio"})
 PUBLISHED_FIELDS = (
@@ -100,7 +82,8 @@ def sensitivities(
     """Differentiate a function of the final shape of a run, by the adjoint method.
 
     One factorisation serves all parameters; nothing is solved again. Keys follow from the fields
-    by the chain rule: what a key does to the arrays of the model is differenced, at a fixed mesh.
+    by the chain rule, at a fixed mesh: those of a layer as sums, those of the pattern from what
+    they do to the corners of their own shape, others from what they do to the arrays of the model.
     Keys of the pattern need a smeared boundary (`mesh.pattern_smoothing`). On a free sheet only
     functions that no rigid motion changes have a meaning.
 
@@ -121,7 +104,7 @@ def sensitivities(
             f"the run ended with {result.status}, so its last state has no sensitivities"
         )
     values = {key: number_at(result.design, key) for key in keys}
-    problem = build_problem(result.design, result.mesh)
+    problem = build_problem(result.design, result.mesh, result.regions)
     wanted = _wanted(problem, fields)
     _check_open(problem, result.positions[-1])
     state = _State.of(problem, result)
@@ -129,11 +112,13 @@ def sensitivities(
     slope = np.asarray(slope, dtype=np.float64)
     adjoint = state.adjoint(slope)
     found = _fields(problem, state, adjoint, slope, wanted)
-    smeared = problem.regions.smooth is not None
-    pattern = PatternSlopes.of(problem, found) if smeared and (values or fields is None) else None
+    slopes = None
+    if values or (fields is None and problem.regions.smooth is not None):
+        slopes = KeySlopes.of(problem, found, state.x, adjoint, state.ramp)
+    pattern = None if slopes is None else slopes.pattern
     return Sensitivities(
         value=float(value),
-        keys={key: _by_key(state, key, values[key], adjoint, found, pattern) for key in values},
+        keys={} if slopes is None else {key: slopes.by_key(key, values[key]) for key in values},
         fields={name: array for name, array in found.items() if name in wanted},
         boundary={} if pattern is None else pattern.by_corner,
         corners={} if pattern is None else {k: b.corners for k, b in pattern.boundaries.items()},
@@ -226,137 +211,6 @@ def _held_rest(state: _State, adjoint: Floats, slope: Floats) -> Floats:
     through = slope.ravel() - (ahead - behind)[:count] / (2.0 * h)
     through[~state.problem.held_dofs[:count]] = 0.0
     return np.asarray(through.reshape(-1, 3))
-
-
-def _by_key(
-    state: _State,
-    key: str,
-    value: float,
-    adjoint: Floats,
-    fields: Mapping[str, Floats],
-    pattern: PatternSlopes | None,
-) -> float:
-    """By the chain rule, with central differences of what the key does to the arrays."""
-    problem = state.problem
-    table = key.split(".")[0]
-    size = abs(value) or 1.0
-    if table == "pattern" and _only_loads(problem, table):
-        assert pattern is not None  # noqa: S101  number_at refuses patterns with a sharp boundary
-        step, shape = SMALL_STEP * size, _index(problem.design.pattern, key.split(".")[1])
-        return pattern.towards(with_number(problem.design, key, value + step), shape) / step
-    step = STEP * size
-    ahead, behind = (with_number(problem.design, key, value + s) for s in (step, -step))
-    if not _only_loads(problem, table):
-        return _by_forces(state, ahead, behind, adjoint) / (2.0 * step)
-    ends = [
-        model_arrays(one, problem.mesh, _restacked(problem, one), table) for one in (ahead, behind)
-    ]
-    motion = problem.positions(adjoint)
-    weights = {**fields, "applied": state.ramp * motion, "weight": motion}
-    total = sum(float((weights[k] * (ends[0][k] - ends[1][k])).sum()) for k in ends[0])
-    return total / (2.0 * step)
-
-
-def _restacked(problem: Problem, design: Design) -> Regions:
-    """The regions of a problem with the layers of a changed design, nothing moved."""
-    cells, smooth = problem.regions.cells, problem.regions.smooth
-    return replace(
-        problem.regions,
-        cells=tuple(replace(cell, stack=stack_of(design, cell.parts)) for cell in cells),
-        smooth=None if smooth is None else smooth.with_layers(design),
-    )
-
-
-def _only_loads(problem: Problem, table: str) -> bool:
-    """True where no term beside the model and dead loads depends on the design's numbers."""
-    terms = problem.total.terms[len(problem.model.terms) :]
-    weighty = len(terms) > 1 and table == "pattern"
-    return all(isinstance(term, NodalLoad) for term in terms) and not weighty
-
-
-def _by_forces(state: _State, ahead: Design, behind: Design, adjoint: Floats) -> float:
-    """−λᵀ of the change of the forces at fixed positions, with the energy set up anew."""
-    changed = []
-    for design in (ahead, behind):
-        total = build_problem(design, state.problem.mesh).total.at(state.ramp, state.load)
-        changed.append(replace(state, system=replace(state.system, energy=total)).forces(state.x))
-    return float(-adjoint @ (changed[0] - changed[1]))
-
-
-def number_at(design: Design, key: str) -> float:
-    """The number at a dotted key of the checked design, in SI units.
-
-    Raises:
-        InputError: there is no such key, it holds no number, or it belongs to the geometry.
-    """
-    parts = key.split(".")
-    if parts[0] in UNCHANGED:
-        raise InputError(
-            "belongs to the geometry of the sheet, whose mesh is held fixed here",
-            key=key,
-            allowed="keys of layers, actuation, pattern, published, laminate, loads, gravity",
-        )
-    value: Any = design.spec
-    for part in parts:
-        value = _part(value, part, key)
-    if parts[0] == "pattern":
-        _check_pattern(design, key, value)
-    if isinstance(value, bool) or not isinstance(value, int | float):
-        raise InputError("holds no number", key=key, value=value)
-    return float(value)
-
-
-def _check_pattern(design: Design, key: str, value: object) -> None:
-    """Refuse keys of a pattern with which its boundary does not move smoothly."""
-    if design.spec.mesh.pattern_smoothing is None:
-        raise InputError(
-            "moves the boundary of the pattern, which is sharp: on a mesh the shape jumps with it",
-            key=key,
-            allowed="pattern keys of designs with mesh.pattern_smoothing, such as an edge length",
-        )
-    shape = design.pattern[_index(design.pattern, key.split(".")[1])]
-    if shape.kind in DISCRETE or isinstance(value, int):
-        what = "a whole number" if isinstance(value, int) else f"a key of the shape {shape.kind}"
-        raise InputError(f"is {what}, which cannot change a little", key=key, value=value)
-    if value == 0.0 and key.split(".")[-1] in FROM_ZERO:
-        raise InputError(
-            "is 0, the end of its range, where the shape begins to have it", key=key, value=value
-        )
-
-
-def with_number(design: Design, key: str, value: float) -> Design:
-    """The same design with another number at a key, in SI units; its text is left as it is."""
-
-    def changed(table: Any, parts: list[str]) -> Any:
-        if not parts:
-            return value
-        inner = changed(_part(table, parts[0], key), parts[1:])
-        if isinstance(table, tuple):
-            index = _index(table, parts[0])
-            return (*table[:index], inner, *table[index + 1 :])
-        copied = table.model_copy(update={parts[0]: inner})
-        copied.__dict__.pop("layout", None)  # drawn anew where the pattern moves
-        return copied
-
-    return replace(design, spec=changed(design.spec, key.split(".")))
-
-
-def _part(value: Any, part: str, key: str) -> Any:
-    if isinstance(value, tuple) and -1 < _index(value, part) < len(value):
-        return value[_index(value, part)]
-    if isinstance(value, BaseModel) and part in type(value).model_fields:
-        return getattr(value, part)
-    names = list(type(value).model_fields) if isinstance(value, BaseModel) else []
-    guess = nearest(part, names)
-    raise InputError(
-        f"the design has no such key{f'; did you mean {guess}?' if guess else ''}", key=key
-    )
-
-
-def _index(table: tuple[Any, ...], part: str) -> int:
-    """Place of an entry by its number or its name; −1 where there is none."""
-    names = [getattr(entry, "name", None) for entry in table]
-    return int(part) if part.isdigit() else names.index(part) if part in names else -1
 
 
 def distance_to(target: Floats, weights: Floats) -> Objective:

@@ -8,6 +8,7 @@ from time import perf_counter
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from sheetmorph import __version__
 from sheetmorph.core.events import Event, Listener, Notice, Progress, Started, StateReached, silent
@@ -211,7 +212,7 @@ def result_of(
         "design_hash": problem.design.hash,
         "computed_with": surroundings(max(1, problem.design.solver.threads)),
     }
-    return Result(
+    found = Result(
         design=problem.design,
         mesh=problem.mesh,
         positions=positions,
@@ -228,6 +229,8 @@ def result_of(
         scalars=np.array([state.x[problem.mesh.nodes.size :] for state in path.states]),
         summary=summary,
     )
+    vars(found)["regions"] = problem.regions  # which else are looked up anew when asked for
+    return found
 
 
 WITH_CONTACT = "contact.self_contact = true"
@@ -254,14 +257,14 @@ def explain(result: Result) -> None:
     corners = surface.smallest_angles(state, mesh.triangles)
     advice = "try a smaller actuation.eps_pre, another mesh.size or a wider pattern"
     if angles.max(initial=0.0) > FOLDED_FLAT:
-        x, y = 1e3 * mesh.edge_midpoints[mesh.hinge_edges[int(angles.argmax()), 0]]
-        result.summary["detail"] = f"the sheet has folded flat on itself at ({x:.1f}, {y:.1f}) mm"
+        place = mesh.edge_midpoints[mesh.hinge_edges[int(angles.argmax()), 0]]
+        result.summary["detail"] = f"the sheet has folded flat on itself at {_at(place)}"
         on = result.design.contact.self_contact
         result.summary["remedy"] = advice if on else f"{advice}, or {WITH_CONTACT}"
     elif corners.min() < COLLAPSED:
-        x, y = 1e3 * mesh.triangle_centroids[int(corners.argmin())]
+        place = mesh.triangle_centroids[int(corners.argmin())]
         result.summary["detail"] = (
-            f"a triangle at ({x:.1f}, {y:.1f}) mm has collapsed to a smallest angle of "
+            f"a triangle at {_at(place)} has collapsed to a smallest angle of "
             f"{np.rad2deg(corners.min()):.0f}°"
         )
         result.summary["remedy"] = (
@@ -270,14 +273,32 @@ def explain(result: Result) -> None:
 
 
 def _tell_of_guard(result: Result) -> None:
-    """Say so where triangles of a shape are kept from collapsing by nothing but the guard."""
-    if result.summary["energy_J"]["guard"] > 0.0:
-        corners = surface.smallest_angles(result.positions[-1], result.mesh.triangles)
-        x, y = 1e3 * result.mesh.triangle_centroids[int(corners.argmin())]
-        result.summary["detail"] = (
-            f"triangles are squeezed to slivers and held open by the guard, the flattest at "
-            f"({x:.1f}, {y:.1f}) mm; another mesh.size or a smaller actuation avoids them"
+    """Say so where triangles of a shape are held open by nothing but the guards."""
+    state, mesh, energy = result.positions[-1], result.mesh, result.summary["energy_J"]
+    found = []
+    if energy["guard"] > 0.0:
+        flattest = int(surface.smallest_angles(state, mesh.triangles).argmin())
+        found.append(
+            "triangles are squeezed to slivers and held open by the guard, the flattest at "
+            f"{_at(mesh.triangle_centroids[flattest])}"
         )
+    if energy["fold"] > 0.0:
+        angles = np.abs(result.dihedral[-1])
+        folded = mesh.hinge_edges[int(angles.argmax()), 0]
+        found.append(
+            f"the sheet is folded to {np.rad2deg(angles.max()):.0f}° along edges of the mesh and "
+            f"held open by the guard, farthest at {_at(mesh.edge_midpoints[folded])}"
+        )
+    if found:
+        result.summary["detail"] = (
+            f"{'; '.join(found)}; another mesh.size or a smaller actuation avoids that"
+        )
+
+
+def _at(place: NDArray[np.float64]) -> str:
+    """A place on the flat sheet, for people."""
+    x, y = 1e3 * place
+    return f"({x:.1f}, {y:.1f}) mm"
 
 
 def seconds_of(work: Work, solved: float, wall: float) -> dict[str, float]:

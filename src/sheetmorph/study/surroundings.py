@@ -104,31 +104,71 @@ def surroundings_of(
         force_scale: of the model [N], see `ModelParts`; measure of contact without weight.
     """
     weights = gravity_forces(design, mesh, region)
-    contact, thickness = design.contact, film_stack(design).thickness
-    gap = thickness if contact.gap is None else contact.gap
-    reach = RANGE * thickness if contact.range is None else contact.range
-    table = None
-    if contact.table:
-        down = DOWN["as_drawn"] if design.gravity is None else design.gravity.down
-        up = -np.array(down) / np.linalg.norm(down)
-        lowest = float((mesh.nodes @ up).min())
-        weight = float(np.linalg.norm(weights.sum(axis=0)))
-        table = TableContact.of(
-            len(mesh.nodes),
-            up,
-            lowest - contact.table_distance - START * reach,
-            reach,
-            weight / BEARERS if weight > 0.0 else force_scale,
-        )
-    touching = None
-    if contact.self_contact:
-        left = 1.0 + float(min(eigenstrain.min(initial=0.0), 0.0))
-        shields = [Shield(0.0, GUARD * left * _least_altitude(mesh), force_scale)]
-        if gap > 0.0:
-            apart = (gap + reach) / left + 2.0 * float(mesh.edge_lengths.max())
-            shields.append(Shield(gap, reach, force_scale, apart))
-        touching = SelfContact(mesh, shields, max(1, design.solver.threads))
-    return Surroundings(weights, table, touching, gap)
+    weight = float(np.linalg.norm(weights.sum(axis=0)))
+    shields = shields_of(design, mesh, eigenstrain, force_scale)
+    return Surroundings(
+        weights,
+        table_of(design, mesh, weight, force_scale),
+        SelfContact(mesh, shields, max(1, design.solver.threads)) if shields else None,
+        _gap(design),
+    )
+
+
+def table_of(
+    design: Design, mesh: SheetMesh, weight: float, force_scale: float
+) -> TableContact | None:
+    """The table of a design; None where it has none.
+
+    Args:
+        design: the design.
+        mesh: its mesh.
+        weight: of the sheet [N].
+        force_scale: see `surroundings_of`.
+    """
+    if not design.contact.table:
+        return None
+    down = DOWN["as_drawn"] if design.gravity is None else design.gravity.down
+    up, reach = -np.array(down) / np.linalg.norm(down), _range(design)
+    lowest = float((mesh.nodes @ up).min())
+    return TableContact.of(
+        len(mesh.nodes),
+        up,
+        lowest - design.contact.table_distance - START * reach,
+        reach,
+        weight / BEARERS if weight > 0.0 else force_scale,
+    )
+
+
+def shields_of(
+    design: Design, mesh: SheetMesh, eigenstrain: Floats, force_scale: float
+) -> tuple[Shield, ...]:
+    """The barriers between parts of the sheet; none where it may pass through itself.
+
+    Args:
+        design: the design.
+        mesh: its mesh.
+        eigenstrain: of the edges at full actuation, shape (E,).
+        force_scale: see `surroundings_of`.
+    """
+    if not design.contact.self_contact:
+        return ()
+    gap, reach = _gap(design), _range(design)
+    left = 1.0 + float(min(eigenstrain.min(initial=0.0), 0.0))
+    guard = Shield(0.0, GUARD * left * _least_altitude(mesh), force_scale)
+    if gap <= 0.0:
+        return (guard,)
+    apart = (gap + reach) / left + 2.0 * float(mesh.edge_lengths.max())
+    return guard, Shield(gap, reach, force_scale, apart)
+
+
+def _gap(design: Design) -> float:
+    given = design.contact.gap
+    return film_stack(design).thickness if given is None else given
+
+
+def _range(design: Design) -> float:
+    given = design.contact.range
+    return RANGE * film_stack(design).thickness if given is None else given
 
 
 def _least_altitude(mesh: SheetMesh) -> float:
