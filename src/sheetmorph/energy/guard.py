@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Self
 
@@ -45,6 +46,7 @@ class TriangleGuard:
     stiffness: Floats
 
     name = "guard"
+    keeps = "triangles from collapsing"
     reference = (
         "Li, Ferguson, Schneider, Langlois, Zorin, Panozzo, Jiang, Kaufman, Incremental "
         "potential contact, ACM Transactions on Graphics 39, 2020: the clamped log barrier"
@@ -83,21 +85,17 @@ class TriangleGuard:
         squeezed = qualities(x, self.stencil) < self.limit
         return np.flatnonzero(squeezed).astype(np.int32)
 
+    def idle(self, x: Floats) -> bool:
+        """True where no triangle feels it; see `sheetmorph.energy.term.Term`."""
+        return not _any_squeezed(x, self.stencil, self.limit)
+
     def reach(self, x: Floats, step: Floats) -> float:
         """The part of a step in which no triangle turns by 90° or all but loses its area.
 
         Farther than that derivatives at x tell nothing, and a triangle that turns over on the
         way leaves the sheet in a knot.
         """
-        before, size = _normals(x, self.stencil)
-        part = 1.0
-        for _ in range(HALVINGS):
-            after, left = _normals(x + part * step, self.stencil)
-            turned = np.einsum("ij,ij->i", before, after)
-            if (turned > 0.0).all() and (left >= LEAST_AREA**2 * size).all():
-                break
-            part *= 0.5
-        return part
+        return part_of_step(lambda part: not _turns_over(x, step, part, self.stencil), HALVINGS)
 
     def local(
         self,
@@ -139,11 +137,53 @@ def qualities_by_sides(squares: Floats) -> Floats:
     return np.asarray(math.sqrt(3.0) * np.sqrt(areas) / total)
 
 
-def _normals(x: Floats, triangles: Ints) -> tuple[Floats, Floats]:
-    """Normals as long as twice the area, and their squared lengths."""
-    a = x[triangles[:, 0]]
-    normals = np.cross(x[triangles[:, 1]] - a, x[triangles[:, 2]] - a)
-    return normals, np.einsum("ij,ij->i", normals, normals)
+def part_of_step(allowed: Callable[[float], bool], halvings: int) -> float:
+    """1, or the first of its halves that is allowed, or the last that is tried."""
+    part = 1.0
+    for _ in range(halvings):
+        if allowed(part):
+            break
+        part *= 0.5
+    return part
+
+
+@kernel
+def _normal(x, corners, n):  # type: ignore[no-untyped-def]
+    """Write the normal of a triangle, twice its area long; the squared length."""
+    a, b, c = corners[0], corners[1], corners[2]
+    for r in range(3):
+        p, q = (r + 1) % 3, (r + 2) % 3
+        n[r] = (x[b, p] - x[a, p]) * (x[c, q] - x[a, q])
+        n[r] -= (x[b, q] - x[a, q]) * (x[c, p] - x[a, p])
+    return n[0] * n[0] + n[1] * n[1] + n[2] * n[2]
+
+
+@kernel
+def _any_squeezed(x, stencil, limit):  # type: ignore[no-untyped-def]
+    """Is the quality of a triangle below its limit?"""
+    n = np.empty(3)
+    for i in range(len(stencil)):
+        square, squares = _normal(x, stencil[i], n), 0.0
+        for p in range(3):
+            a, b = stencil[i, p], stencil[i, (p + 1) % 3]
+            for r in range(3):
+                squares += (x[b, r] - x[a, r]) ** 2
+        if not 12.0 * square >= (limit[i] * squares) ** 2:
+            return True
+    return False
+
+
+@kernel
+def _turns_over(x, step, part, stencil):  # type: ignore[no-untyped-def]
+    """Does a triangle turn by 90° or lose its area in a part of a step?"""
+    before, after = np.empty(3), np.empty(3)
+    y = x + part * step
+    for i in range(len(stencil)):
+        size, left = _normal(x, stencil[i], before), _normal(y, stencil[i], after)
+        turned = before[0] * after[0] + before[1] * after[1] + before[2] * after[2]
+        if not (turned > 0.0 and left >= LEAST_AREA**2 * size):
+            return True
+    return False
 
 
 @kernel

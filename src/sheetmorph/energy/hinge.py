@@ -193,10 +193,10 @@ def _coupled_hinge(  # type: ignore[no-untyped-def]
         if order == 3:
             continue
         u = (ux, uy, uz)
-        _angle_hessian(
+        add_angle_hessian(
             hess, k, -moment, inv_length, inv_h1, s1, u, (n1x, n1y, n1z), (m1x, m1y, m1z), 2
         )
-        _angle_hessian(
+        add_angle_hessian(
             hess, k, -moment, inv_length, inv_h2, s2, u, (n2x, n2y, n2z), (m2x, m2y, m2z), 3
         )
         _strain_hessian(hess, k, -moment * f_ac, l_ac, acx, acy, acz, 0, 2, 7)
@@ -218,7 +218,7 @@ def _outer(hess, k, kb, g):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def _angle_hessian(hess, k, moment, inv_length, inv_h, s, u, n, m, node):  # type: ignore[no-untyped-def]
+def add_angle_hessian(hess, k, moment, inv_length, inv_h, s, u, n, m, node):  # type: ignore[no-untyped-def]
     """Add moment · ∇²θ of one side (σ = +1) to the blocks aa, ab, bb, a·, b·, ··."""
     o = 1.0 - s
     hh = moment * inv_h * inv_h

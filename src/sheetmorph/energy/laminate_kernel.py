@@ -309,10 +309,6 @@ def _measure(x, stencil, directors, share, turn, lean, flap, i, side, frame, num
             cosine = nx * n2x + ny * n2y + nz * n2z
             sine = -(nx * dx + ny * dy + nz * dz)
             theta = math.atan2(sine, cosine)
-            if not flapped:
-                # The director remembers how often the side has turned: θ nearest to 2 ψ.
-                twice = -2.0 * turn[i, j] * x[directors[i, j] // 3, directors[i, j] % 3]
-                theta += 2.0 * math.pi * math.floor((twice - theta) / (2.0 * math.pi) + 0.5)
             alpha += part * theta
             frame[j, 2, 0], frame[j, 2, 1], frame[j, 2, 2] = dx, dy, dz
             frame[j, 3, 0], frame[j, 3, 1], frame[j, 3, 2] = n2x, n2y, n2z

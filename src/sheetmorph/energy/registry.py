@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from sheetmorph.energy.fold import FoldGuard
 from sheetmorph.energy.guard import TriangleGuard
 from sheetmorph.energy.hinge import CoupledHinge
 from sheetmorph.energy.laminate import LaminateShell
@@ -19,5 +20,6 @@ TERMS: dict[str, type[Term]] = {
     Weight.name: Weight,
     TableContact.name: TableContact,
     TriangleGuard.name: TriangleGuard,
+    FoldGuard.name: FoldGuard,
 }
 """Name of the term → its class."""

@@ -24,7 +24,8 @@ class Term(Protocol):
     of `local` holds them. They count as one more node of the stencil, the last, in all local
     quantities. A term whose forces at fixed positions are not linear in the actuation says
     `linear_in_ramp = False`. A term that is infinite somewhere has a method
-    `reach(x, step)`: the part of a step, at most 1, that does not lead there.
+    `reach(x, step)`: the part of a step, at most 1, that does not lead there. One that is zero
+    with all its derivatives at most states has a method `idle(x)` that says so in less time.
     """
 
     @property

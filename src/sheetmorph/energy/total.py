@@ -167,6 +167,8 @@ def _chunks(count: int) -> list[tuple[int, int]]:
 def _sum_term(
     term: Term, slots: Slots, nodes: Floats, order: int, gradient: Floats, work: Workspace
 ) -> float:
+    if hasattr(term, "idle") and term.idle(nodes):
+        return 0.0
     local_order = min(order, 1) if term.linear else order
     local_gradient, local_hessian = work.local(term)
     energy = 0.0

@@ -13,6 +13,7 @@ from sheetmorph.design.regions import Regions
 from sheetmorph.design.sections import EVERYWHERE
 from sheetmorph.design.spec import Design
 from sheetmorph.design.supports import directed_edges
+from sheetmorph.energy.fold import FoldGuard
 from sheetmorph.energy.guard import TriangleGuard
 from sheetmorph.energy.laminate import LaminateShell
 from sheetmorph.energy.laminate_fields import energy_parts
@@ -81,7 +82,7 @@ def laminate_parts(design: Design, mesh: SheetMesh, region: Regions) -> ModelPar
         mesh, stiff[region.triangle_cell] * mesh.triangle_areas, natural[:, :3]
     )
     return ModelParts(
-        terms=(shell, guard),
+        terms=(shell, guard, FoldGuard.of(mesh, _hinge_stiffness(shell, mesh))),
         held_scalars=shell.patch.held,
         force_scale=rigidity / mesh.mean_edge_length,
         stretch_force=membrane * float(mesh.edge_lengths.max()),
@@ -89,12 +90,27 @@ def laminate_parts(design: Design, mesh: SheetMesh, region: Regions) -> ModelPar
     )
 
 
+def _hinge_stiffness(shell: LaminateShell, mesh: SheetMesh) -> Floats:
+    """What turning a hinge by 1 rad costs the stiffer of its triangles, twice [J], shape (H,)."""
+    found = np.zeros(len(mesh.edges))
+    for ramp in (0.0, 1.0):
+        rest = shell.at(ramp, 0.0).rest
+        stiff = (2.0 * _heights(rest.natural[:, :3])) ** 2
+        stiff *= np.diagonal(rest.stiffness, axis1=1, axis2=2)[:, 3:]
+        np.maximum.at(found, mesh.triangle_edges[:, [1, 2, 0]], stiff)
+    return np.asarray(found[mesh.hinge_edges[:, 0]])
+
+
 def _natural_lean(natural: Floats) -> float:
     """Largest |α| of natural shape measures (l², 2 h α), shape (T, 6) [rad]."""
-    sides, bending = natural[:, :3], natural[:, 3:]
+    leans = natural[:, 3:] / (2.0 * _heights(natural[:, :3]))
+    return float(np.abs(leans).max(initial=0.0))
+
+
+def _heights(sides: Floats) -> Floats:
+    """Altitudes of triangles by their squared sides, both of shape (T, 3) [m]."""
     sixteenth = sides.sum(axis=1) ** 2 - 2.0 * (sides**2).sum(axis=1)  # 16 area², by Heron
-    heights = np.sqrt(np.maximum(sixteenth, 1e-300) / 4.0)[:, None] / np.sqrt(sides)
-    return float(np.abs(bending / (2.0 * heights)).max(initial=0.0))
+    return np.asarray(np.sqrt(np.maximum(sixteenth, 1e-300) / 4.0)[:, None] / np.sqrt(sides))
 
 
 def energy_densities(

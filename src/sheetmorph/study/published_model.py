@@ -8,6 +8,7 @@ from sheetmorph.design.laminate import published_stiffness
 from sheetmorph.design.meshing import hinge_coupling
 from sheetmorph.design.regions import Regions
 from sheetmorph.design.spec import Design
+from sheetmorph.energy.fold import FoldGuard
 from sheetmorph.energy.guard import TriangleGuard
 from sheetmorph.energy.hinge import CoupledHinge
 from sheetmorph.energy.stretch import EdgeStretch
@@ -35,6 +36,7 @@ def published_parts(
             eigenstrain[around] @ SIGNS,
         ),
         TriangleGuard.of(mesh, stiffness.stretch[mesh.triangle_edges].mean(axis=1)),
+        FoldGuard.of(mesh, stiffness.bending),
     )
     return ModelParts(
         terms=terms,
