@@ -127,7 +127,9 @@ def command(line: list[str]) -> int:
 
 
 def ended(line: list[str], seconds: float = PATIENCE) -> Ended:
-    """Run a command in a fork, with its errors caught."""
+    """Run a command in a fork, which saves the imports, with its errors caught."""
+    if line[0] == "sweep":  # starts processes of its own, to which forks are strange
+        return program(line)
     with tempfile.TemporaryFile() as errors:
         child = os.fork()
         if not child:
@@ -148,6 +150,12 @@ def ended(line: list[str], seconds: float = PATIENCE) -> Ended:
         code = kill.finished(child, seconds)
         errors.seek(0)
         return Ended(code, errors.read().decode(errors="replace"))
+
+
+def must(how: Ended) -> None:
+    """End the trials where a job fails that nothing stands in the way of."""
+    if how.code != 0:
+        raise SystemExit(f"fails without trouble: {how}")
 
 
 @contextlib.contextmanager
@@ -205,7 +213,7 @@ def goes_on(kind: str, folder: Path) -> list[str]:
     return ["--force"] if kind in ("compare", "fabricate", "branches", "paper", "new") else []
 
 
-def peak(kind: str, place: Path) -> int:
+def peak(kind: str, inside: Path, place: Path) -> int:
     """Most bytes that a job takes up on a disk that has room."""
     with memory_disk(place / "disk", 1 << 29) as disk:
         most, done = 0, threading.Event()
@@ -218,19 +226,19 @@ def peak(kind: str, place: Path) -> int:
         watcher = threading.Thread(target=watch)
         watcher.start()
         try:
-            how = ended(line_of(kind, place, disk / "job"))
+            how = ended(line_of(kind, inside, disk / "job"))
         finally:
             done.set()
             watcher.join()
-        assert how.code == 0, f"{kind} fails on a disk with room: {how}"
+        must(how)
         return max(most, shutil.disk_usage(disk).used)
 
 
-def full(kind: str, place: Path, fills: int) -> tuple[str, list[str]]:
+def full(kind: str, inside: Path, place: Path, fills: int) -> tuple[str, list[str]]:
     """A disk with room for a part of the job."""
     whole = place / "whole"
-    assert ended(line_of(kind, place, whole)).code == 0
-    wanted, most = found(kind, whole), peak(kind, place)
+    must(ended(line_of(kind, inside, whole)))
+    wanted, most = found(kind, whole), peak(kind, inside, place)
     rooms = sorted({0, *(most * k // fills for k in range(1, fills)), most - PAGE})
     wrong: list[str] = []
     stopped = resumed = fitted = 0
@@ -239,7 +247,7 @@ def full(kind: str, place: Path, fills: int) -> tuple[str, list[str]]:
             folder = disk / "job"
             mine = disk / KEPT
             mine.write_text("mine")
-            how = ended(line_of(kind, place, folder))
+            how = ended(line_of(kind, inside, folder))
             where = f"{kind}, room for {room} of {most} bytes"
             wrong += [f"{where}: {one}" for one in judged(how, disk, mine)]
             fitted += how.code == 0
@@ -249,7 +257,7 @@ def full(kind: str, place: Path, fills: int) -> tuple[str, list[str]]:
             if how.code:
                 if kind == "export":  # the studio gives every export a folder of its own
                     shutil.rmtree(folder, ignore_errors=True)
-                again = ended([*line_of(kind, place, folder), *options])
+                again = ended([*line_of(kind, inside, folder), *options])
                 resumed += "--resume" in options
                 if again.code != 0:
                     wrong.append(f"{where}: does not go on with {options}: {again.said.strip()}")
@@ -278,14 +286,14 @@ def judged(how: Ended, disk: Path, mine: Path) -> list[str]:
     return wrong
 
 
-def readonly(kind: str, place: Path, _fills: int) -> tuple[str, list[str]]:
+def readonly(kind: str, inside: Path, place: Path, _fills: int) -> tuple[str, list[str]]:
     """Places in which nothing can be written, empty and with a finished job in them."""
     wrong: list[str] = []
     trials = 0
     with memory_disk(place / "disk", 1 << 29) as disk:
         empty, there = disk / "empty", disk / "there"
         empty.mkdir()
-        assert ended(line_of(kind, place, there)).code == 0
+        must(ended(line_of(kind, inside, there)))
         before = prints(disk)
         targets = [(empty, []), (disk / "new", []), (there, []), (there, ["--force"])]
         if kind == "export":
@@ -295,7 +303,7 @@ def readonly(kind: str, place: Path, _fills: int) -> tuple[str, list[str]]:
         for how_closed in ("mounted read-only", "immutable"):
             with closed(disk, how_closed):
                 for folder, options in targets:
-                    how = ended([*line_of(kind, place, folder), *options])
+                    how = ended([*line_of(kind, inside, folder), *options])
                     trials += 1
                     name = f"{kind}, {folder.name} {' '.join(options)} {how_closed}"
                     finished = options == ["--resume"] and how.code == 0  # nothing was to be done
@@ -324,14 +332,14 @@ def closed(disk: Path, how: str) -> Iterator[None]:
         mount("-o", "remount,rw", str(disk))
 
 
-def clock(kind: str, place: Path, _fills: int) -> tuple[str, list[str]]:
+def clock(kind: str, inside: Path, place: Path, _fills: int) -> tuple[str, list[str]]:
     """The clock jumps while the job runs; then it is cut off, jumps again, and goes on."""
     library = next((str(p) for pattern in LIBRARIES for p in Path("/").glob(pattern[1:])), None)
     if library is None:
         raise SystemExit("clock needs libfaketime (Debian: apt-get install faketime)")
     whole = place / "whole"
     began = time.monotonic()
-    assert slow(line_of(kind, place, whole), None).code == 0
+    must(program(line_of(kind, inside, whole)))
     took = time.monotonic() - began
     wanted = found(kind, whole)
     wrong: list[str] = []
@@ -349,7 +357,7 @@ def clock(kind: str, place: Path, _fills: int) -> tuple[str, list[str]]:
         }
         jump = threading.Timer(0.6 * took, turn, (turned, folder, seconds))
         jump.start()
-        how = slow(line_of(kind, place, folder), environment)
+        how = program(line_of(kind, inside, folder), environment)
         jump.join()
         if how.code != 0 or how.said.strip():
             wrong.append(f"{kind}, {name}: exit code {how.code}, {how.said.strip()[-500:]!r}")
@@ -369,8 +377,8 @@ def turn(clock_file: Path, folder: Path, seconds: int) -> None:
             os.utime(file, (when, when))
 
 
-def slow(line: list[str], environment: dict[str, str] | None) -> Ended:
-    """Run a command as a program of its own, for what a fork would not take over."""
+def program(line: list[str], environment: dict[str, str] | None = None) -> Ended:
+    """Run a command as a program of its own."""
     done = subprocess.run(  # noqa: S603
         [sys.executable, "-m", "sheetmorph", *line],
         env={**os.environ, **(environment or {})},
@@ -399,12 +407,8 @@ def main() -> int:
             for kind in chosen.jobs:
                 if trouble == "clock" and kind not in CLOCKED:
                     continue
-                with tempfile.TemporaryDirectory(dir=name) as inside:
-                    place = Path(inside)
-                    for one in Path(name).iterdir():
-                        if one != place:
-                            (place / one.name).symlink_to(one)
-                    told, wrong = kinds[trouble](kind, place, chosen.fills)
+                with tempfile.TemporaryDirectory() as place:
+                    told, wrong = kinds[trouble](kind, Path(name), Path(place), chosen.fills)
                 for one in wrong:
                     print(f"  {one}", flush=True)
                 print(f"{trouble} {kind}: " + (f"{len(wrong)} wrong; " if wrong else "") + told)

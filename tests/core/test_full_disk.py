@@ -5,30 +5,22 @@ The system itself refuses to write here, by its limit on the size of files.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from contextlib import contextmanager
+import gc
+from collections.abc import Callable
 from pathlib import Path
 
+import h5py
+import numpy as np
 import pytest
 
+from room import room_for
 from sheetmorph.core.compiled import kernel
 from sheetmorph.core.errors import OutputError
 from sheetmorph.core.files import resumable, write_bytes, write_text
+from sheetmorph.core.hdf5 import writing_hdf5
 from sheetmorph.core.lines import append_line, begin_lines, read_lines
 
-resource = pytest.importorskip("resource", reason="Windows has no limit on the size of files")
 HEADER = {"fingerprint": "x"}
-
-
-@contextmanager
-def room_for(size: int) -> Iterator[None]:
-    """No file may grow beyond so many bytes."""
-    before = resource.getrlimit(resource.RLIMIT_FSIZE)
-    resource.setrlimit(resource.RLIMIT_FSIZE, (size, before[1]))
-    try:
-        yield
-    finally:
-        resource.setrlimit(resource.RLIMIT_FSIZE, before)
 
 
 @pytest.mark.parametrize("room", [0, 1, 4095, 9999])
@@ -75,3 +67,54 @@ def test_a_kernel_needs_no_room_for_its_cache(tmp_path: Path) -> None:
 def test_what_is_kept_is_told() -> None:
     with pytest.raises(OutputError, match=r"no room; then --resume goes on"), resumable():
         raise OutputError("no room")
+
+
+def fill(file: h5py.File, check: Callable[[], None]) -> None:
+    """Small arrays and one that grows, packed, as in results and sweeps."""
+    for k in range(20):
+        file.create_dataset(f"group/{k}", data=np.arange(300.0) + k)
+    random = np.random.default_rng(1)
+    for k in range(6):
+        data = random.random((400, 3))
+        if k == 0:
+            options = {"maxshape": (None, 3), "chunks": (512, 3), "compression": "gzip"}
+            file.create_dataset("grown", data=data, **options)
+        else:
+            file["grown"].resize(400 * (k + 1), axis=0)
+            file["grown"][400 * k :] = data
+        check()
+    file.attrs["format"] = "test"
+
+
+@pytest.mark.parametrize("share", [0.0, 0.001, 0.01, 0.1, 0.3, 0.5, 0.7, 0.9, 0.97, 0.999])
+def test_an_hdf5_file_without_room_is_no_end_of_the_process(tmp_path: Path, share: float) -> None:
+    path = tmp_path / "a.h5"
+    with writing_hdf5(path) as (file, check):
+        fill(file, check)
+    before = path.read_bytes()
+    room = int(share * len(before))
+    for look in (lambda check: lambda: None, lambda check: check):
+        with (
+            room_for(room),
+            pytest.raises(OutputError, match=r"too large.*-o"),
+            writing_hdf5(path) as (file, check),
+        ):
+            fill(file, look(check))
+    gc.collect()
+    assert path.read_bytes() == before
+    assert list(tmp_path.iterdir()) == [path]
+
+
+def test_an_hdf5_file_holds_what_was_written(tmp_path: Path) -> None:
+    ours, theirs = tmp_path / "ours.h5", tmp_path / "theirs.h5"
+    with writing_hdf5(ours) as (file, check):
+        fill(file, check)
+    with h5py.File(theirs, "w") as file:
+        fill(file, lambda: None)
+    assert ours.stat().st_size <= 1.05 * theirs.stat().st_size
+    with h5py.File(ours) as one, h5py.File(theirs) as other:
+        assert dict(one.attrs) == dict(other.attrs) == {"format": "test"}
+        names = [f"group/{k}" for k in range(20)] + ["grown"]
+        assert [*one, *one["group"]] == [*other, *other["group"]]
+        for name in names:
+            np.testing.assert_array_equal(one[name][()], other[name][()])

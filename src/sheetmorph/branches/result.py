@@ -11,7 +11,8 @@ from typing import Any
 import numpy as np
 
 from sheetmorph import __version__
-from sheetmorph.core.files import replacing, write_text
+from sheetmorph.core.files import write_text
+from sheetmorph.core.hdf5 import writing_hdf5
 from sheetmorph.geometry import surface
 from sheetmorph.geometry.mesh import Floats
 from sheetmorph.study.result import Result
@@ -203,10 +204,8 @@ def write_states(found: Branches, path: Path) -> None:
     Raises:
         OutputError: it cannot be written.
     """
-    import h5py
-
     mesh, branches = found.result.mesh, found.branches
-    with replacing(path) as partial, h5py.File(partial, "w") as file:
+    with writing_hdf5(path) as (file, _):
         file.attrs["format"] = FORMAT
         file.attrs["version"] = __version__
         file.attrs["design_hash"] = found.result.design.hash

@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from sheetmorph.core.errors import InputError, OutputError
-from sheetmorph.core.files import replacing
+from sheetmorph.core.errors import InputError
+from sheetmorph.core.hdf5 import writing_hdf5
 from sheetmorph.study.motion_record import COLUMNS, MotionRecord
 
 if TYPE_CHECKING:
@@ -64,33 +64,27 @@ def write_result(result: Result, path: Path) -> None:
     Raises:
         OutputError: it cannot be written.
     """
-    import h5py
-
-    with replacing(path) as partial:
-        try:
-            with h5py.File(partial, "w") as file:
-                file.attrs["format"] = FORMAT
-                file.attrs["format_version"] = FORMAT_VERSION
-                file.attrs["version"] = result.summary["version"]
-                file.attrs["design_hash"] = result.summary["design_hash"]
-                file.attrs["solver"] = result.summary["solver"]
-                _write_text(file, "design", result.design.to_portable_toml())
-                _write_text(file, "summary", json.dumps(result.summary))
-                for name in _MESH:
-                    _write(file, f"mesh/{name}", getattr(result.mesh, name))
-                for name in _STATES:
-                    _write(file, f"states/{name}", getattr(result, name))
-                _write(file, _SCALARS, result.scalars)
-                if result.motion is not None:
-                    _write_motion(file, result.motion)
-                for name in _MODEL:
-                    _write(file, f"model/{name}", getattr(result, name))
-                for name, (unit, text) in FIELDS.items():
-                    dataset = _write(file, f"fields/{name}", getattr(result, name))
-                    dataset.attrs["unit"] = unit
-                    dataset.attrs["description"] = text
-        except RuntimeError as error:
-            raise OutputError(f"{path}: cannot be written ({error})") from error
+    with writing_hdf5(path) as (file, _):
+        file.attrs["format"] = FORMAT
+        file.attrs["format_version"] = FORMAT_VERSION
+        file.attrs["version"] = result.summary["version"]
+        file.attrs["design_hash"] = result.summary["design_hash"]
+        file.attrs["solver"] = result.summary["solver"]
+        _write_text(file, "design", result.design.to_portable_toml())
+        _write_text(file, "summary", json.dumps(result.summary))
+        for name in _MESH:
+            _write(file, f"mesh/{name}", getattr(result.mesh, name))
+        for name in _STATES:
+            _write(file, f"states/{name}", getattr(result, name))
+        _write(file, _SCALARS, result.scalars)
+        if result.motion is not None:
+            _write_motion(file, result.motion)
+        for name in _MODEL:
+            _write(file, f"model/{name}", getattr(result, name))
+        for name, (unit, text) in FIELDS.items():
+            dataset = _write(file, f"fields/{name}", getattr(result, name))
+            dataset.attrs["unit"] = unit
+            dataset.attrs["description"] = text
 
 
 def _write_motion(file: Any, motion: MotionRecord) -> None:

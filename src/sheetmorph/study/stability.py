@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from sheetmorph.core.errors import ComputationError, InputError
-from sheetmorph.core.files import replacing
+from sheetmorph.core.hdf5 import writing_hdf5
 from sheetmorph.geometry.mesh import Floats
 from sheetmorph.solve.constraints import HeldDofs
 from sheetmorph.solve.critical import Critical, first_critical, stationary
@@ -205,9 +205,7 @@ def write_modes(found: Sequence[StateModes], path: Path) -> None:
     Raises:
         OutputError: it cannot be written.
     """
-    import h5py
-
-    with replacing(path) as partial, h5py.File(partial, "w") as file:
+    with writing_hdf5(path) as (file, _):
         file.attrs["format"] = MODES_FORMAT
         for name in ("state", "ramp", "load_fraction", "eigenvalues", "modes"):
             file.create_dataset(name, data=np.array([getattr(one, name) for one in found]))

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from pathlib import Path
 from typing import Any
 
@@ -10,8 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sheetmorph import __version__
-from sheetmorph.core.errors import InputError, OutputError
-from sheetmorph.core.files import replacing
+from sheetmorph.core.errors import InputError
+from sheetmorph.core.hdf5 import writing_hdf5
 
 FILE = "states.h5"
 FORMAT = "sheetmorph sweep states"
@@ -50,20 +50,19 @@ def write_states(
     Raises:
         OutputError: it cannot be written.
     """
-    import h5py
-
-    with replacing(path) as partial:
-        try:
-            with h5py.File(partial, "w") as file:
-                file.attrs["format"] = FORMAT
-                file.attrs["version"] = __version__
-                file.attrs["fingerprint"] = fingerprint
-                _fill(file, designs, count)
-        except RuntimeError as error:
-            raise OutputError(f"{path}: cannot be written ({error})") from error
+    with writing_hdf5(path) as (file, check):
+        file.attrs["format"] = FORMAT
+        file.attrs["version"] = __version__
+        file.attrs["fingerprint"] = fingerprint
+        _fill(file, check, designs, count)
 
 
-def _fill(file: Any, designs: Iterable[tuple[int, Arrays | None]], count: int) -> None:
+def _fill(
+    file: Any,
+    check: Callable[[], None],
+    designs: Iterable[tuple[int, Arrays | None]],
+    count: int,
+) -> None:
     sizes = {name: np.zeros(count + 1, dtype=np.int64) for name in _OFFSETS}
     waiting: list[Arrays] = []
     for number, arrays in designs:
@@ -75,6 +74,7 @@ def _fill(file: Any, designs: Iterable[tuple[int, Arrays | None]], count: int) -
         waiting.append(flat)
         if len(waiting) == BUFFER:
             _append(file, waiting)
+            check()
             waiting = []
     _append(file, waiting)
     for name, lengths in sizes.items():
