@@ -236,29 +236,33 @@ def _rounded(d, rounding):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def _distances(px, py, corners, sides, box, squares):  # type: ignore[no-untyped-def]
+def _lines(corners, sides):  # type: ignore[no-untyped-def]
+    """Start, way to the end, length, and its square's inverse (0 without a length) of sides."""
+    found = np.empty((len(sides), 6))
+    for k in range(len(sides)):
+        j = sides[k]
+        x, y = corners[j, 0], corners[j, 1]
+        ex, ey = corners[j + 1, 0] - x, corners[j + 1, 1] - y
+        square = ex * ex + ey * ey
+        found[k] = x, y, ex, ey, math.sqrt(square), 1.0 / square if square > 0.0 else 0.0
+    return found
+
+
+@kernel
+def _distances(px, py, lines, box, squares):  # type: ignore[no-untyped-def]
     """Squared distance from every side of a box; return the least, of sides with a length."""
     least = math.inf
-    for k in range(box * GROUP, min((box + 1) * GROUP, len(sides))):
-        j = sides[k]
-        ax, ay = px - corners[j, 0], py - corners[j, 1]
-        ex, ey = corners[j + 1, 0] - corners[j, 0], corners[j + 1, 1] - corners[j, 1]
-        along, squared = ax * ex + ay * ey, ex * ex + ey * ey
-        if squared == 0.0:
-            squares[k] = math.inf
-            continue
-        if along <= 0.0:
-            squares[k] = ax * ax + ay * ay
-        elif along >= squared:
-            squares[k] = (ax - ex) ** 2 + (ay - ey) ** 2
-        else:
-            squares[k] = (ax * ey - ay * ex) ** 2 / squared
+    for k in range(box * GROUP, min((box + 1) * GROUP, len(lines))):
+        ax, ay, ex, ey = px - lines[k, 0], py - lines[k, 1], lines[k, 2], lines[k, 3]
+        t = min(max((ax * ex + ay * ey) * lines[k, 5], 0.0), 1.0)
+        x, y = ax - t * ex, ay - t * ey
+        squares[k] = x * x + y * y if lines[k, 5] > 0.0 else math.inf
         least = min(least, squares[k])
     return least
 
 
 @kernel
-def _nearby(px, py, corners, sides, boxes, rounding, blend, bounds, squares):  # type: ignore[no-untyped-def]
+def _nearby(px, py, lines, boxes, rounding, blend, bounds, squares):  # type: ignore[no-untyped-def]
     """Squared distances from the sides of all boxes that are within the limit.
 
     Returns:
@@ -269,11 +273,11 @@ def _nearby(px, py, corners, sides, boxes, rounding, blend, bounds, squares):  #
         bounds[box] = _outside(px, py, boxes[box])
         if bounds[box] < bounds[first]:
             first = box
-    nearest = math.sqrt(_distances(px, py, corners, sides, first, squares))
+    nearest = math.sqrt(_distances(px, py, lines, first, squares))
     limit = max(nearest, rounding) + NEGLIGIBLE * blend
     for box in range(len(boxes)):
         if box != first and bounds[box] < limit:
-            square = _distances(px, py, corners, sides, box, squares)
+            square = _distances(px, py, lines, box, squares)
             if square < nearest * nearest:
                 nearest = math.sqrt(square)
                 limit = max(nearest, rounding) + NEGLIGIBLE * blend
@@ -281,7 +285,7 @@ def _nearby(px, py, corners, sides, boxes, rounding, blend, bounds, squares):  #
 
 
 @kernel
-def _blend(px, py, corners, sides, lengths, boxes, rounding, blend, bounds, squares, near, over):  # type: ignore[no-untyped-def]
+def _blend(px, py, lines, boxes, rounding, blend, bounds, squares, near, over):  # type: ignore[no-untyped-def]
     """Weighted mean of u, and the sum of the weights; `near` lists the sides that count.
 
     `squares` has u of these sides, `over` has exp((least − u)/k).
@@ -289,19 +293,19 @@ def _blend(px, py, corners, sides, lengths, boxes, rounding, blend, bounds, squa
     Returns:
         The mean, the sum, and how many sides count.
     """
-    nearest, limit = _nearby(px, py, corners, sides, boxes, rounding, blend, bounds, squares)
-    least = _rounded(nearest, rounding)
+    nearest, limit = _nearby(px, py, lines, boxes, rounding, blend, bounds, squares)
+    least, narrow = _rounded(nearest, rounding), 1.0 / blend
     whole, mean, count = 0.0, 0.0, 0
     for box in range(len(boxes)):
         if bounds[box] >= limit:
             continue
-        for k in range(box * GROUP, min((box + 1) * GROUP, len(sides))):
+        for k in range(box * GROUP, min((box + 1) * GROUP, len(lines))):
             if squares[k] < limit * limit:
                 value = _rounded(math.sqrt(squares[k]), rounding)
-                factor = math.exp((least - value) / blend)
+                factor = math.exp((least - value) * narrow)
                 if factor <= LAST:
                     continue
-                weight = lengths[k] / (lengths[k] + blend) * (factor - LAST)
+                weight = lines[k, 4] / (lines[k, 4] + blend) * (factor - LAST)
                 whole += weight
                 mean += weight * value
                 squares[k], over[k], near[count] = value, factor, k
@@ -310,83 +314,48 @@ def _blend(px, py, corners, sides, lengths, boxes, rounding, blend, bounds, squa
 
 
 @kernel
-def _lengths(corners, sides):  # type: ignore[no-untyped-def]
-    found = np.empty(len(sides))
-    for k in range(len(sides)):
-        j = sides[k]
-        ex, ey = corners[j + 1, 0] - corners[j, 0], corners[j + 1, 1] - corners[j, 1]
-        found[k] = math.sqrt(ex * ex + ey * ey)
-    return found
-
-
-@kernel
 def _blended(points, corners, sides, boxes, blend, rounding, found):  # type: ignore[no-untyped-def]
     bounds, squares = np.empty(len(boxes)), np.empty(len(sides))
-    near, over = np.empty(len(sides), np.int64), np.empty(len(sides))
-    lengths = _lengths(corners, sides)
+    near, over, lines = np.empty(len(sides), np.int64), np.empty(len(sides)), _lines(corners, sides)
     for i in range(len(points)):
-        found[i], _, _ = _blend(
-            points[i, 0],
-            points[i, 1],
-            corners,
-            sides,
-            lengths,
-            boxes,
-            rounding,
-            blend,
-            bounds,
-            squares,
-            near,
-            over,
-        )
+        px, py = points[i, 0], points[i, 1]
+        found[i], _, _ = _blend(px, py, lines, boxes, rounding, blend, bounds, squares, near, over)
 
 
 @kernel
 def _pull_blended(points, weights, corners, sides, boxes, blend, rounding, found):  # type: ignore[no-untyped-def]
     bounds, squares = np.empty(len(boxes)), np.empty(len(sides))
-    near, over = np.empty(len(sides), np.int64), np.empty(len(sides))
-    lengths = _lengths(corners, sides)
+    near, over, lines = np.empty(len(sides), np.int64), np.empty(len(sides)), _lines(corners, sides)
+    narrow, flat = 1.0 / blend, 1.0 / (rounding * rounding)
     for i in range(len(points)):
         px, py = points[i, 0], points[i, 1]
         mean, whole, count = _blend(
-            px,
-            py,
-            corners,
-            sides,
-            lengths,
-            boxes,
-            rounding,
-            blend,
-            bounds,
-            squares,
-            near,
-            over,
+            px, py, lines, boxes, rounding, blend, bounds, squares, near, over
         )
         part = weights[i] / whole
         nearest, spread = near[0], 0.0
         for n in range(count):
             k = near[n]
-            spread += lengths[k] / (lengths[k] + blend) * (squares[k] - mean)
+            spread += lines[k, 4] / (lines[k, 4] + blend) * (squares[k] - mean)
             if squares[k] < squares[nearest]:
                 nearest = k
         for n in range(count):
             k = near[n]
-            j, length, value = sides[k], lengths[k], squares[k]
-            ax, ay = px - corners[j, 0], py - corners[j, 1]
-            ex, ey = corners[j + 1, 0] - corners[j, 0], corners[j + 1, 1] - corners[j, 1]
-            t = min(max((ax * ex + ay * ey) / (length * length), 0.0), 1.0)
+            length, value = lines[k, 4], squares[k]
+            ax, ay, ex, ey = px - lines[k, 0], py - lines[k, 1], lines[k, 2], lines[k, 3]
+            t = min(max((ax * ex + ay * ey) * lines[k, 5], 0.0), 1.0)
             x, y = ax - t * ex, ay - t * ey
-            d = math.sqrt(x * x + y * y)
-            slope = 1.0 / max(d, 1e-300)
-            if d < rounding:
-                slope = (3.0 - (d / rounding) ** 2) / (2.0 * rounding)
-            share = length / (length + blend)
-            beyond = over[k] - LAST
-            turn = share * (beyond - over[k] * (value - mean) / blend)
+            if value >= rounding:  # u is the distance itself
+                slope = 1.0 / value
+            else:
+                slope = (3.0 - (x * x + y * y) * flat) * 0.5 / rounding
+            share, beyond = 1.0 / (length + blend), over[k] - LAST
+            turn = (beyond - over[k] * (value - mean) * narrow) * length * share
             if k == nearest:  # which sets from where on sides do not count
-                turn += LAST * spread / blend
+                turn += LAST * spread * narrow
             pull = -part * turn * slope
-            longer = part * beyond * (value - mean) * blend / (length + blend) ** 2 / length
+            longer = part * beyond * (value - mean) * blend * share * share / length
+            j = sides[k]
             found[j, 0] += (1.0 - t) * pull * x - longer * ex
             found[j, 1] += (1.0 - t) * pull * y - longer * ey
             found[j + 1, 0] += t * pull * x + longer * ex

@@ -7,6 +7,8 @@ shapes that only patterns use in `library` and `kirigami`.
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
+from functools import cache
 from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
 
 import numpy as np
@@ -15,6 +17,7 @@ from pydantic import Field, model_validator
 from sheetmorph.core.errors import InputError
 from sheetmorph.core.units import scale_of
 from sheetmorph.design.fields import Angle, Point, Section, Size, Whole, problem
+from sheetmorph.geometry.mesh import Floats
 
 if TYPE_CHECKING:
     from shapely import Polygon as ShapelyPolygon
@@ -188,14 +191,17 @@ def in_unit(data: Any, keys: tuple[str, ...]) -> Any:
 
 
 def placed(
-    corners: list[tuple[float, float]], centre: tuple[float, float], rotation: float
+    corners: Sequence[tuple[float, float]] | Floats,
+    centre: tuple[float, float],
+    rotation: float,
 ) -> ShapelyPolygon:
     """The polygon with these corners, turned about the origin and then moved to `centre` [m]."""
     import shapely
 
     c, s = math.cos(rotation), math.sin(rotation)
-    moved = [(centre[0] + c * x - s * y, centre[1] + s * x + c * y) for x, y in corners]
-    polygon: ShapelyPolygon = shapely.polygons(np.array(moved))
+    x, y = np.asarray(corners, dtype=np.float64).T
+    moved = np.column_stack([centre[0] + c * x - s * y, centre[1] + s * x + c * y])
+    polygon: ShapelyPolygon = shapely.polygons(moved)
     return polygon
 
 
@@ -203,9 +209,14 @@ def ellipse(
     centre: tuple[float, float], half_width: float, half_height: float, rotation: float
 ) -> ShapelyPolygon:
     """An inscribed polygon of an ellipse [m], see `CIRCLE_SEGMENTS`."""
+    return placed(_circle() * np.array([half_width, half_height]), centre, rotation)
+
+
+@cache
+def _circle() -> Floats:
+    """Corners of the polygon that stands for a circle of radius 1."""
     angles = [2 * math.pi * k / CIRCLE_SEGMENTS for k in range(CIRCLE_SEGMENTS)]
-    corners = [(half_width * math.cos(a), half_height * math.sin(a)) for a in angles]
-    return placed(corners, centre, rotation)
+    return np.array([(math.cos(a), math.sin(a)) for a in angles])
 
 
 def rounded(shape: BaseGeometry, inner: float, outer: float) -> BaseGeometry:

@@ -166,20 +166,29 @@ def _touched(points: Floats, holders: Ints, shapes: Sequence[Boundary]) -> tuple
     low = np.array([shape.boxes[:, :2].min(axis=0) for shape in shapes])
     high = np.array([shape.boxes[:, 2:].max(axis=0) for shape in shapes])
     reach = NEAR * float(np.ptp(np.concatenate([low, high]), axis=0).max())
+    frames = np.column_stack([low - reach, high + reach])
     for index, shape in enumerate(shapes):
-        inside = (points >= low[index] - reach) & (points <= high[index] + reach)
-        chosen = np.flatnonzero(inside.all(axis=1) & (holders != index))
-        if len(chosen):
-            _touch(
-                points, chosen, shape.corners, shape.sides, shape.boxes, reach, index, count, pairs
-            )
+        _touch(
+            points,
+            holders,
+            index,
+            frames[index],
+            shape.corners,
+            shape.sides,
+            shape.boxes,
+            reach,
+            count,
+            pairs,
+        )
     return count, pairs
 
 
 @kernel
-def _touch(points, chosen, corners, sides, boxes, reach, index, count, pairs):  # type: ignore[no-untyped-def]
-    for i in chosen:
+def _touch(points, holders, index, frame, corners, sides, boxes, reach, count, pairs):  # type: ignore[no-untyped-def]
+    for i in range(len(points)):
         x, y = points[i, 0], points[i, 1]
+        if x < frame[0] or x > frame[2] or y < frame[1] or y > frame[3] or holders[i] == index:
+            continue
         for box in range(len(boxes)):
             if (
                 x < boxes[box, 0] - reach

@@ -79,8 +79,10 @@ def piece_with(design: Design, key: str, value: float) -> Piece:
 
 def place_of(table: tuple[Any, ...], part: str) -> int:
     """Place of an entry by its number or its name; −1 where there is none."""
+    if part.isdigit():
+        return int(part)
     names = [getattr(entry, "name", None) for entry in table]
-    return int(part) if part.isdigit() else names.index(part) if part in names else -1
+    return names.index(part) if part in names else -1
 
 
 def _changed(table: Any, parts: list[str], key: str, value: float) -> Any:
