@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass, field
+from functools import lru_cache
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -32,7 +34,7 @@ def build_mesh(design: Design) -> SheetMesh:
     path = design.resolve_mesh_path()
     if path is None:
         try:
-            mesh = _make(design)
+            mesh = _remembered(_Wanted(design, _what_decides(design)))
         except InputError as error:
             key = {None: "mesh.size", "slits": "outline.slits"}.get(error.key, error.key)
             raise InputError(
@@ -50,6 +52,28 @@ def build_mesh(design: Design) -> SheetMesh:
     if hinge_orientation(design, path) == "away_from_pattern" and not smeared:
         mesh = mesh.with_hinges_reversed(farther_side(mesh, design.pattern_polygon()) < 0)
     return mesh
+
+
+@dataclass(frozen=True)
+class _Wanted:
+    """A design, equal to all others that want the same mesh."""
+
+    design: Design = field(compare=False)
+    decides: tuple[object, ...]
+
+
+def _what_decides(design: Design) -> tuple[object, ...]:
+    """All that `_make` reads, to the last bit; the symmetry follows from the shapes."""
+    layout, source = design.layout, design.spec.mesh
+    parts = [] if source.pattern_smoothing else list(layout.parts.values())
+    shapes = tuple(shape.wkb for shape in (layout.sheet, layout.slits, *parts))
+    return shapes, source.size, source.boundary_size, source.growth, source.symmetry
+
+
+@lru_cache(maxsize=4)
+def _remembered(wanted: _Wanted) -> SheetMesh:
+    """The same mesh for designs that differ in their layers or actuation alone, as in a sweep."""
+    return _make(wanted.design)
 
 
 def _make(design: Design) -> SheetMesh:
