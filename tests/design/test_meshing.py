@@ -8,6 +8,7 @@ from sheets import SHEET
 
 from sheetmorph.core.errors import InputError
 from sheetmorph.design.meshing import farther_side, hinge_coupling, hinge_orientation
+from sheetmorph.design.presets import preset_text
 from sheetmorph.design.regions import regions
 from sheetmorph.design.spec import Design
 from sheetmorph.geometry.topology import build_mesh
@@ -93,3 +94,20 @@ def test_a_mesh_must_fit_the_outline(base, tmp_path, text, unit, fits):
     else:
         with pytest.raises(InputError, match=r"does not fit the outline.*check mesh\.unit"):
             design.build_mesh()
+
+
+def test_designs_that_differ_in_actuation_alone_have_one_mesh() -> None:
+    design = Design.from_toml(preset_text("bowl", "x")).with_values({"mesh.size": "10 mm"})
+    mesh = design.build_mesh()
+    weaker = design.with_values({"actuation.eps_pre": -0.1, "layers.0.thickness": "0.2 mm"})
+    np.testing.assert_array_equal(weaker.build_mesh().nodes, mesh.nodes)
+    assert weaker.build_mesh().nodes is mesh.nodes
+    for key, value in (
+        ("mesh.size", "9 mm"),
+        ("mesh.boundary_size", "4 mm"),
+        ("mesh.symmetry", "auto"),
+        ("pattern.0.half_width", "6.1 mm"),
+        ("outline.radius", "51 mm"),
+    ):
+        other = design.with_values({key: value}).build_mesh()
+        assert other.nodes.shape != mesh.nodes.shape or (other.nodes != mesh.nodes).any(), key
