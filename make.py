@@ -5,6 +5,8 @@
     python make.py fast     the same without the slow proofs
     python make.py docs     build the documentation site into build/site and check its links
     python make.py oldest   try the oldest versions that pyproject.toml allows, apart from .venv
+    python make.py trial    try the newest, apart from .venv, by the Python that runs this: another
+                            than that of .venv, as in `python3.13 make.py trial`
     python make.py wheel    build the wheel, install it into an empty environment, and try it
     python make.py audit    list its parts (SBOM), and ask which have known vulnerabilities
 
@@ -34,7 +36,7 @@ TRIAL = (
     *("design/test_design.py", "geometry/test_generate.py", "compare/test_scan.py"),
     *("cli/test_run.py", "cli/test_sweep.py", "show/test_pictures.py", "studio/test_notebook.py"),
 )
-"""Tests that are run with the oldest versions: something of every library."""
+"""Tests that are run with other versions and other Pythons: something of every library."""
 
 
 def main(arguments: list[str]) -> int:
@@ -42,7 +44,7 @@ def main(arguments: list[str]) -> int:
     if sys.version_info < (3, 11):
         print("sheetmorph needs Python 3.11 or newer; this is", sys.version.split()[0])
         return 2
-    jobs = {job.__name__: job for job in (bowl, test, fast, docs, oldest, wheel, audit)}
+    jobs = {job.__name__: job for job in (bowl, test, fast, docs, oldest, trial, wheel, audit)}
     if len(arguments) != 1 or arguments[0] not in jobs:
         print(__doc__)
         return 2
@@ -88,9 +90,14 @@ def oldest() -> int:
     constraints = ROOT / "build" / "oldest.txt"
     constraints.write_text("\n".join(pinned) + "\n")
     run(python, "-m", "pip", "install", "--quiet", "--editable", ".[dev]", "-c", constraints)
-    tests = (f"tests/{name}" for name in TRIAL)
-    options = ("-q", "-n", "auto", "-m", "not slow", "-W", "ignore::DeprecationWarning")
-    return run(python, "-m", "pytest", *options, *tests, check=False)
+    return _tried(python, "-W", "ignore::DeprecationWarning")
+
+
+def trial() -> int:
+    """The newest versions and this Python: the same trial."""
+    python = _empty(f"trial-{sys.version_info.major}.{sys.version_info.minor}")
+    run(python, "-m", "pip", "install", "--quiet", "--editable", ".[dev]")
+    return _tried(python)
 
 
 def wheel() -> int:
@@ -128,6 +135,13 @@ def audit() -> int:
     run(tools, "-m", "cyclonedx_py", *listing, *output)
     (packages,) = (*target.glob("lib/*/site-packages"), *target.glob("Lib/site-packages"))
     return run(tools, "-m", "pip_audit", "--strict", "--path", packages, check=False)
+
+
+def _tried(python: Path, *options: str) -> int:
+    """What the trial makes of an environment."""
+    tests = (f"tests/{name}" for name in TRIAL)
+    fast = ("-q", "-n", "auto", "-m", "not slow")
+    return run(python, "-m", "pytest", *fast, *options, *tests, check=False)
 
 
 def _empty(name: str) -> Path:

@@ -1,10 +1,12 @@
 // The sheet in space: mesh, colours, lines, ghost of the flat sheet, scan, clipping, camera.
 
-import { OrbitControls, THREE } from "./three.js";
+import * as carried from "./three.js";
 import { colourOf, themed } from "./colours.js";
 import { $ } from "./dom.js";
 import { emit, on } from "./wire.js";
 
+// NiceGUI up to 3.15 exports all of the bundle as one object.
+const { OrbitControls, THREE } = carried.default ?? carried;
 const canvas = $("canvas");
 const renderer = new THREE.WebGLRenderer({ canvas, antialias: true, alpha: true });
 renderer.localClippingEnabled = true;
