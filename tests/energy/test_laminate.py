@@ -239,3 +239,17 @@ def test_one_side_may_take_the_whole_turn() -> None:
             )
             lean = measures[right, 3 + side] / 2.0
             assert lean == pytest.approx(sign * (1.0 - share) * turn, abs=1e-9)
+
+
+def test_a_node_beyond_two_sides_of_a_triangle() -> None:
+    """About a node with three neighbours the node beyond two sides is the same."""
+    nodes = np.array([[0.0, 0, 0], [1.2, 1, 0], [3, 0, 0], [1, 3, 0]])
+    mesh = build_mesh(1e-2 * nodes, np.array([[0, 2, 1], [2, 3, 1], [3, 0, 1]]))
+    shell = LaminateShell.specimen(mesh, np.random.default_rng(0))
+    assert any(len({*beyond.tolist()}) < 3 for beyond in shell.stencil[:, 3:])
+    total = Total.of([shell], len(nodes), shell.patch.scalar_count).at(0.6, 0.0)
+    rng = np.random.default_rng(1)
+    x = np.concatenate([mesh.nodes.ravel(), np.zeros(shell.patch.scalar_count)])
+    x += 1e-3 * rng.standard_normal(x.size)
+    slopes = taylor_slopes(total, x, 1e-2 * rng.standard_normal(x.size), SIZES)
+    assert slopes.hessian == pytest.approx(3.0, abs=0.1)

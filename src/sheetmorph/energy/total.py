@@ -217,8 +217,14 @@ def _scatter(  # type: ignore[no-untyped-def]
         slot_of = 0
         block = 0
         for p in range(width):
-            for _ in range(p, width):
+            for q in range(p, width):
                 slot = pairs[i, slot_of]
+                if q > p and stencil[i, q] == stencil[i, p]:
+                    # One node in two places: the pair counts as (p, q) and as (q, p).
+                    place = 9 * slot
+                    for r in range(3):
+                        for c in range(3):
+                            storage[place + 3 * c + r] += hess[k, block, r, c]
                 if slot >= 0:
                     place = 9 * slot
                     for r in range(3):
