@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from toys import Broken, Fold, Pitchfork, Rosenbrock, Toy, system_of
+from toys import Broken, Fold, Pitchfork, Rosenbrock, Stiff, Toy, system_of
 
 from sheetmorph.core.events import StateReached, StepRejected
 from sheetmorph.solve.minimise import NewtonOptions, Outcome, minimise
@@ -46,6 +46,14 @@ def test_newton_stops_where_told() -> None:
     )
     assert found.outcome is Outcome.TOO_MANY_ITERATIONS
     assert found.iterations == 3
+
+
+def test_newton_is_done_where_no_digit_is_left() -> None:
+    """The gradient rounds to more than the tolerance wherever one looks."""
+    found = minimise(system_of(Stiff()), np.array([1.0, 2.0]), NEWTON)
+    assert found.outcome is Outcome.CONVERGED
+    assert found.residual > 1e3 * NEWTON.residual_tolerance
+    np.testing.assert_allclose(found.x, np.sqrt([2.0, 3.0]), rtol=4e-16)
 
 
 def test_newton_on_nothing_finite() -> None:

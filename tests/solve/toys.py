@@ -86,6 +86,18 @@ class Rosenbrock(Toy):
         )
 
 
+class Stiff(Toy):
+    """10¹² (x² − 2)²/4 + 10¹² (y² − 3)²/4: no number has a gradient near zero."""
+
+    def derivatives(self, x, y):  # type: ignore[no-untyped-def]
+        a, b = x * x - 2.0, y * y - 3.0
+        return (
+            1e12 * (a * a + b * b) / 4.0,
+            (1e12 * x * a, 1e12 * y * b),
+            (1e12 * (3 * x * x - 2), 0.0, 1e12 * (3 * y * y - 3)),
+        )
+
+
 def system_of(energy: Toy, solver: str = "scipy") -> System:
     """A system without held degrees of freedom."""
     held = HeldDofs.of(energy.pattern, np.zeros(2, dtype=bool))

@@ -15,6 +15,10 @@ from sheetmorph.solve.system import System
 Floats = NDArray[np.float64]
 
 
+ROUNDING = 1e-15
+"""Size of a Newton step over that of x which rounding makes: some units in the last place."""
+
+
 class Outcome(StrEnum):
     """How a minimisation ended."""
 
@@ -136,6 +140,8 @@ def _minimise(system: System, start: Floats, options: NewtonOptions) -> Minimum:
         iterations += 1
         system.work.iterations += 1
         step = -system.solve(point.gradient)
+        if level == 0 and iterations > 1 and _drowns(step, point.x):
+            return end(Outcome.CONVERGED)
         found = _line_search(system, point, step, options)
         if found is None:
             if point.residual <= options.residual_tolerance:
@@ -144,6 +150,11 @@ def _minimise(system: System, start: Floats, options: NewtonOptions) -> Minimum:
         before, point = point, found
         if level == 0:
             point = _chords(system, before, point, options)
+
+
+def _drowns(step: Floats, x: Floats) -> bool:
+    """True for a step that is lost in the rounding of x: x is as good as its digits allow."""
+    return float(np.abs(step).max(initial=0.0)) <= ROUNDING * float(np.abs(x).max(initial=0.0))
 
 
 CONVEXITY = (0.0, 0.1, 0.3, 0.6, 1.0)
