@@ -77,33 +77,38 @@ def test_every_dependency_has_a_lower_bound() -> None:
             assert re.match(r"[\w.\-]+(>=|==)\d", one), one
 
 
-def loaded(code: str) -> tuple[set[str], float]:
-    """Libraries that are loaded after some code, and its processor time [s]."""
+def loaded(code: str) -> tuple[set[str], int, float]:
+    """Libraries and number of modules that are loaded after some code, and processor time [s]."""
     told = (
-        f"import sys, time; {code}; print(time.process_time(), "
+        f"import sys, time; {code}; print(time.process_time(), len(sys.modules), "
         "*{name.split('.')[0] for name in sys.modules} - set(sys.stdlib_module_names))"
     )
     out = subprocess.run(
         [sys.executable, "-c", told], capture_output=True, text=True, check=True
     ).stdout.split()
-    return set(out[1:]), float(out[0])
+    return set(out[2:]), int(out[1]), float(out[0])
 
 
 @pytest.mark.parametrize(
-    ("code", "allowed", "budget"),
+    ("code", "allowed", "modules", "times"),
     [
-        ("import sheetmorph", {"sheetmorph"}, 0.2),
-        ("import sheetmorph.cli", {"sheetmorph", "click"}, 0.6),
+        ("import sheetmorph", {"sheetmorph"}, 100, 6),
+        ("import sheetmorph.cli", {"sheetmorph", "click"}, 220, 20),
     ],
 )
-def test_importing_is_light(code: str, allowed: set[str], budget: float) -> None:
-    libraries, seconds = loaded(code)
+def test_importing_is_light(code: str, allowed: set[str], modules: int, times: float) -> None:
+    libraries, count, seconds = loaded(code)
     site = {name for name in libraries if not name.startswith("_")}
     assert site <= allowed
-    assert seconds < budget  # measured 0.03 and 0.13
+    assert count <= modules  # 60 and 148 when this was written
+    bare = loaded("pass")[2]
+    if seconds >= times * bare:  # a hiccup of the machine is no proof: measured 2 and 8 times
+        bare, seconds = loaded("pass")[2], loaded(code)[2]
+    assert seconds < times * bare
 
 
 def test_a_simulation_does_not_load_what_only_pictures_files_and_servers_need() -> None:
-    libraries, _ = loaded("import sheetmorph as sm; sm.simulate, sm.Design, sm.Result")
+    libraries, count, _ = loaded("import sheetmorph as sm; sm.simulate, sm.Design, sm.Result")
     assert {"numpy", "scipy", "numba", "pydantic"} <= libraries
     assert libraries & HEAVY == set()
+    assert count <= 1200  # 895 when this was written
