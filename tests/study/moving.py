@@ -5,7 +5,8 @@ from __future__ import annotations
 from small import SMALL
 
 import sheetmorph as sm
-from sheetmorph.proofs.bilayer_disc import DESIGN, PLANES, RADIUS, THICKNESS
+from sheetmorph.proofs.bilayer_disc import DESIGN, RADIUS, THICKNESS
+from sheetmorph.proofs.sheets import QUARTER
 
 LENGTH, WIDTH, HEIGHT = 0.1, 0.01, 1e-3
 YOUNG, DENSITY, FORCE = 1e9, 1000.0, 5e-4
@@ -56,7 +57,7 @@ loads = [1, 0]
 
 POKED = (
     DESIGN.replace('young_modulus = "1 MPa"', 'young_modulus = "1 GPa"\ndensity = "1100 kg/m^3"')
-    + PLANES
+    + QUARTER
     + f"""
 [[loads]]
 kind = "point"
