@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from anew import Anew
 from small import SMALL
 
 from sheetmorph.branches.search import find_branches
@@ -11,10 +12,11 @@ from sheetmorph.core.errors import InputError
 from sheetmorph.core.events import Event, Notice
 from sheetmorph.design.spec import Design
 from sheetmorph.geometry.crossings import crossing_pairs
+from sheetmorph.study.design_keys import number_at
 from sheetmorph.study.journal import Journal
 from sheetmorph.study.model import build_problem
 from sheetmorph.study.result import Result
-from sheetmorph.study.sensitivity import sensitivities
+from sheetmorph.study.sensitivity import Objective, sensitivities
 from sheetmorph.study.simulate import simulate
 from sheetmorph.study.stability import modes_of
 
@@ -233,9 +235,9 @@ def test_branches_are_refused_with_weight_and_contact() -> None:
             find_branches(Design.from_toml(text))
 
 
-def test_sensitivities_of_a_state_in_contact(rolled: Result) -> None:
-    """By the adjoint with what has grown, and by running twice."""
-    along = rolled.mesh.nodes[:, 0]
+def ends_apart(result: Result) -> Objective:
+    """Half the squared distance of the two ends of a strip."""
+    along = result.mesh.nodes[:, 0]
     first, last = int(along.argmin()), int(along.argmax())
 
     def objective(positions: np.ndarray) -> tuple[float, np.ndarray]:
@@ -244,6 +246,12 @@ def test_sensitivities_of_a_state_in_contact(rolled: Result) -> None:
         slope[first], slope[last] = across, -across
         return 0.5 * float(across @ across), slope
 
+    return objective
+
+
+def test_sensitivities_of_a_state_in_contact(rolled: Result) -> None:
+    """By the adjoint with what has grown, and by running twice."""
+    objective = ends_apart(rolled)
     key, step = "layers.0.eigenstrain_factor", 2e-4
     found = sensitivities(rolled, objective, [key]).keys[key]
     values = []
@@ -251,3 +259,14 @@ def test_sensitivities_of_a_state_in_contact(rolled: Result) -> None:
         moved = simulate(Design.from_toml(STRIP).with_values({key: 1.0 + sign * step}))
         values.append(objective(moved.positions[-1])[0])
     assert found == pytest.approx((values[0] - values[1]) / (2.0 * step), rel=2e-3)
+
+
+def test_keys_that_move_the_barriers_of_contact(rolled: Result) -> None:
+    """The film's thickness is the gap, and its rigidity the measure of the forces."""
+    anew = Anew(rolled, objective := ends_apart(rolled))
+    keys = ["layers.0.thickness", "layers.1.young_modulus", "actuation.eps_pre"]
+    values = {key: number_at(rolled.design, key) for key in keys}
+    found = sensitivities(rolled, objective, keys, fields=()).keys
+    for key, value in values.items():
+        expected = anew.slope({key: value}, {key: value}) / value
+        assert found[key] == pytest.approx(expected, rel=1e-4)
