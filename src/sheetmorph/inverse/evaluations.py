@@ -50,7 +50,8 @@ class Evaluations:
         self.measure = measure
         self._journal, self._client, self._on_new = journal, client, on_new
         self._told: set[Job] = set()
-        self._sent: Any = None if client is None else client.scatter(measure, broadcast=True)
+        # Submitted and not scattered: what all workers that held it took along comes back.
+        self._sent: Any = None if client is None else client.submit(_same, measure, pure=False)
 
     def many(self, jobs: Sequence[Job]) -> list[Evaluation]:
         """Measure designs side by side; the order of the answers is that of the jobs.
@@ -98,6 +99,11 @@ class Evaluations:
         finally:
             for future in futures:
                 future.release()
+
+
+def _same(measure: Measure) -> Measure:
+    """What is measured; brings it to the workers."""
+    return measure
 
 
 def evaluate(measure: Measure, job: Job) -> Evaluation:
