@@ -96,3 +96,22 @@ def test_weight_and_table_are_part_of_the_chain(model: str, around: str, keys: l
         expected = anew.slope({key: value}, {key: value}) / value
         assert found[key] == pytest.approx(expected, rel=1e-4), key
         assert found[key] != 0.0 or key == "layers.1.density"
+
+
+def test_shapes_that_touch_are_drawn_together() -> None:
+    """A bar that ends flush on another: its corners slide along the other's side."""
+    bars = "".join(
+        f'[[pattern]]\nkind = "rectangle"\nwidth = "10 mm"\nheight = "{height} mm"\n'
+        f'centre = ["{x} mm", "0 mm"]\n'
+        for x, height in ((-5, 9), (5, 5))
+    )
+    text = text_of("published", HELD)
+    star = text[text.index("[[pattern]]") : text.index("[[layers]]")]
+    result = sm.simulate(sm.Design.from_toml(text.replace(star, bars)))
+    keys = ["pattern.0.height", "pattern.1.height"]
+    found = sensitivities(result, rise(result), keys, fields=()).keys
+    anew = Anew(result, rise(result))
+    for key in keys:
+        value = number_at(result.design, key)
+        expected = anew.slope({key: value}, {key: value}) / value
+        assert found[key] == pytest.approx(expected, rel=1e-4), key
