@@ -1,12 +1,12 @@
 """What sensitivities cost beside the run they belong to. Prints a table; processor time.
 
-    python benchmarks/sensitivity.py [NAME ...]
+    python benchmarks/sensitivity.py [NAME ...]      # petals, bowl, canoe, pads, weight
 
 The paper's designs, whose meshes SHEETMORPH_REFERENCE_DATA names, with a smeared pattern and oval
 pads added to it: four of them, so that there are 30 parameters of pattern, layers and actuation,
-and on the bowl 72, for 302. "fields" is the adjoint with the derivatives by all fields, thousands
-of numbers, rest positions and corners of the pattern among them; "keys" the derivatives by the
-keys alone, without the fields they do not need. NAME is petals, bowl, canoe or pads.
+and on the bowl 72, for 302; once the bowl has a weight. "fields" is the adjoint with the
+derivatives by all fields, thousands of numbers, rest positions and corners of the pattern among
+them; "keys" the derivatives by the keys alone, without the fields they do not need.
 """
 
 from __future__ import annotations
@@ -25,7 +25,19 @@ PUBLISHED = Path(__file__).resolve().parents[1] / "examples" / "published"
 REPEAT = 7
 RUNS = 3
 FEW, MANY = 4, 72
-SHEETS = (("petals", FEW), ("bowl", FEW), ("canoe", FEW), ("bowl", MANY))
+WEIGHT = {
+    "layers.0.density": "1050 kg/m^3",
+    "layers.1.density": "1250 kg/m^3",
+    "gravity.magnitude": "9.81 m/s^2",
+}
+SHEETS = {
+    "petals": ("petals", FEW, {}),
+    "bowl": ("bowl", FEW, {}),
+    "canoe": ("canoe", FEW, {}),
+    "pads": ("bowl", MANY, {}),
+    "weight": ("bowl", FEW, WEIGHT),
+}
+"""Published design, number of pads, further keys."""
 SMEARED = {
     "mesh.pattern_smoothing": "6 mm",
     "actuation.distance": "pattern_boundary",
@@ -111,14 +123,13 @@ def seconds(result: sm.Result, keys: list[str], fields: tuple[str, ...] | None) 
 
 def main() -> None:
     """Print a row for each design and model."""
-    wanted = sys.argv[1:]
+    wanted = sys.argv[1:] or list(SHEETS)
     print("| design | model | numbers in fields | run | fields | keys | | fields and keys |")
     print("|---|---|---|---|---|---|---|---|")
-    for name, pads in SHEETS:
-        if wanted and ("pads" if pads == MANY else name) not in wanted:
-            continue
+    for row in wanted:
+        name, pads, more = SHEETS[row]
         for model in ("published", "laminate"):
-            design, keys = smeared(name, model, pads), keys_of(pads)
+            design, keys = smeared(name, model, pads).with_values(more), keys_of(pads)
             mesh = design.build_mesh()
             sm.simulate(design, mesh=mesh)
             runs = []
@@ -127,7 +138,8 @@ def main() -> None:
                 result = sm.simulate(design, mesh=mesh)
                 runs.append(process_time() - start)
             run = median(runs)
-            told = f"| {name}{'' if pads == FEW else f', {pads} pads'} | {model} "
+            also = f", {pads} pads" if pads != FEW else ", with weight" if more else ""
+            told = f"| {name}{also} | {model} "
             if result.status != "completed":
                 print(f"{told}| – | {result.status} | – | – | – | – |", flush=True)
                 continue
