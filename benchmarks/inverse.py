@@ -1,8 +1,8 @@
-"""Inverse design: hidden designs found again, and four shapes on order.
+"""Inverse design: hidden designs found again, and shapes on order.
 
     python benchmarks/inverse.py hidden [--part K/N] [--budget 60 --descents 2]
                                                        # 20 shapes of designs drawn by chance
-    python benchmarks/inverse.py orders                # bowls, a saddle, a canoe, with `fabricate`
+    python benchmarks/inverse.py orders                # bowls, saddles, canoes …, with `fabricate`
 
 Writes a table, one line as each is done; the folders of `orders` go to benchmarks/results/inverse.
 """
@@ -37,7 +37,11 @@ QUICK = ("--descents", "1", "--accuracy", "1")
 ORDERS = (
     ("bowl:0.5", "free", ("--budget", "60", "--descents", "1")),
     ("bowl:0.35", "star", ("--budget", "60", "--descents", "1")),
+    ("bowl:0.4", "star", ("--sheet", "100 mm", "--budget", "36", *QUICK)),
     ("saddle:0.4", "free", ("--budget", "24", "--steps", "4", *QUICK)),
+    ("saddle:0.4", "ring", ("--budget", "36", *QUICK)),
+    ("cylinder:0.3", "stripes", ("--budget", "48", *QUICK)),
+    ("letter:L:0.4", "free", ("--budget", "24", "--steps", "4", *QUICK)),
     ("canoe:1.5:0.5", "canoe", ("--budget", "36", "--set", "mesh.size=4.5 mm", *QUICK)),
     ("canoe:2.0:0.6", "canoe", ("--budget", "36", "--set", "mesh.size=4.5 mm", *QUICK)),
 )

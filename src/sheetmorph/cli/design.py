@@ -270,7 +270,7 @@ def _tell(found: Found, folder: Path, notes: list[str]) -> None:
     lines = [
         f"{found.target.text}: {told(found)}",
         f"  {found.family}: {values}",
-        f"  h/d {data['found']['aspect_ratio']:.3f}, wanted {found.target.aspect_ratio:.3f}",
+        f"  h/d {data['found']['aspect_ratio']:.3f}, wanted {data['wanted']['aspect_ratio']:.3f}",
         *(f"  {one}" for one in limits),
         *(f"  {name}: {told(one)} (in {name}/)" for name, one in found.others.items()),
         f"  {found.evaluations} designs ({found.failed} failed), {found.seconds:.0f} s",
