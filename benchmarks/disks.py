@@ -4,8 +4,9 @@
     sudo python benchmarks/disks.py full --jobs run sweep --fills 40
 
 Linux, as root, because it mounts file systems in memory (tmpfs) and, for `readonly`, makes folders
-that not even root may change; `clock` needs no root but the library libfaketime (Debian: package
-faketime), and never touches the clock of the machine.
+that not even root may change. `clock` needs no root but a C compiler, and never touches the clock
+of the machine: a library of a few lines is loaded into the job and all its processes, and tells
+them another time of day. (libfaketime does not do: it moves sleeps by the monotonic clock, too.)
 
 full       A job writes into a file system that has room for a part of what it writes: for nothing,
            for so many parts in between, and for all but the last page. It must end with exit code
@@ -53,7 +54,42 @@ JUMPS = {
     "a year on": 31_536_000,
 }
 CLOCKED = ("run", "sweep", "calibrate", "design")
-LIBRARIES = ("/usr/lib/*/faketime/libfaketimeMT.so.1", "/usr/local/lib/faketime/libfaketimeMT.so.1")
+SHIM = r"""
+#define _GNU_SOURCE
+#include <dlfcn.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <sys/time.h>
+#include <time.h>
+static long long shift(void) {
+  long long seconds = 0;
+  FILE *file = fopen(getenv("TRIAL_CLOCK"), "r");
+  if (file) { if (fscanf(file, "%lld", &seconds) != 1) seconds = 0; fclose(file); }
+  return seconds;
+}
+int clock_gettime(clockid_t which, struct timespec *now) {
+  static int (*real)(clockid_t, struct timespec *);
+  if (!real) real = dlsym(RTLD_NEXT, "clock_gettime");
+  int code = real(which, now);
+  if (which == CLOCK_REALTIME || which == CLOCK_REALTIME_COARSE) now->tv_sec += shift();
+  return code;
+}
+time_t time(time_t *where) {
+  struct timespec now;
+  clock_gettime(CLOCK_REALTIME, &now);
+  if (where) *where = now.tv_sec;
+  return now.tv_sec;
+}
+int gettimeofday(struct timeval *now, void *zone) {
+  struct timespec exact;
+  (void)zone;
+  clock_gettime(CLOCK_REALTIME, &exact);
+  now->tv_sec = exact.tv_sec;
+  now->tv_usec = exact.tv_nsec / 1000;
+  return 0;
+}
+"""
+"""The time of day, moved by as many seconds as a file says."""
 
 
 @dataclass(frozen=True)
@@ -252,9 +288,9 @@ def full(kind: str, inside: Path, place: Path, fills: int) -> tuple[str, list[st
             wrong += [f"{where}: {one}" for one in judged(how, disk, mine)]
             fitted += how.code == 0
             stopped += how.clean
-            options = goes_on(kind, folder) if how.code else []
+            options = goes_on(kind, folder) if how.code != 0 else []
             mount("-o", f"remount,size={1 << 29}", str(disk))
-            if how.code:
+            if how.code != 0:
                 if kind == "export":  # the studio gives every export a folder of its own
                     shutil.rmtree(folder, ignore_errors=True)
                 again = ended([*line_of(kind, inside, folder), *options])
@@ -271,7 +307,9 @@ def full(kind: str, inside: Path, place: Path, fills: int) -> tuple[str, list[st
 def judged(how: Ended, disk: Path, mine: Path) -> list[str]:
     """What is wrong after a job on a full disk."""
     wrong = []
-    if how.code != 0 and not how.clean:
+    if how.code is None:
+        wrong.append(f"had not ended after {PATIENCE:.0f} s")
+    elif how.code != 0 and not how.clean:
         wrong.append(f"exit code {how.code}, said: {how.said.strip()[-600:]!r}")
     if how.code == 0 and how.said.strip():
         wrong.append(f"finished, but said: {how.said.strip()[-300:]!r}")
@@ -334,9 +372,10 @@ def closed(disk: Path, how: str) -> Iterator[None]:
 
 def clock(kind: str, inside: Path, place: Path, _fills: int) -> tuple[str, list[str]]:
     """The clock jumps while the job runs; then it is cut off, jumps again, and goes on."""
-    library = next((str(p) for pattern in LIBRARIES for p in Path("/").glob(pattern[1:])), None)
-    if library is None:
-        raise SystemExit("clock needs libfaketime (Debian: apt-get install faketime)")
+    library = place / "clock.so"
+    source = place / "clock.c"
+    source.write_text(SHIM)
+    subprocess.run(["cc", "-shared", "-fPIC", "-o", str(library), str(source), "-ldl"], check=True)  # noqa: S603, S607
     whole = place / "whole"
     began = time.monotonic()
     must(program(line_of(kind, inside, whole)))
@@ -346,15 +385,8 @@ def clock(kind: str, inside: Path, place: Path, _fills: int) -> tuple[str, list[
     for name, seconds in JUMPS.items():
         folder = place / name.replace(" ", "-")
         turned = place / "clock"
-        turned.write_text("+0\n")
-        environment = {
-            "LD_PRELOAD": library,
-            "FAKETIME_TIMESTAMP_FILE": str(turned),
-            "FAKETIME_NO_CACHE": "1",
-            "FAKETIME_DONT_FAKE_MONOTONIC": "1",
-            "DONT_FAKE_MONOTONIC": "1",
-            "NO_FAKE_STAT": "1",
-        }
+        turned.write_text("0\n")
+        environment = {"LD_PRELOAD": str(library), "TRIAL_CLOCK": str(turned)}
         jump = threading.Timer(0.6 * took, turn, (turned, folder, seconds))
         jump.start()
         how = program(line_of(kind, inside, folder), environment)
@@ -369,7 +401,7 @@ def clock(kind: str, inside: Path, place: Path, _fills: int) -> tuple[str, list[
 def turn(clock_file: Path, folder: Path, seconds: int) -> None:
     """Turn the clock of a job; its files now have the times that they had by the old clock."""
     beside = clock_file.with_suffix(".new")
-    beside.write_text(f"{seconds:+d}\n")
+    beside.write_text(f"{seconds}\n")
     beside.replace(clock_file)
     for file in folder.rglob("*"):
         with contextlib.suppress(OSError):  # renamed meanwhile
