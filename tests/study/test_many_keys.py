@@ -2,13 +2,19 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from anew import Anew
 from small import SMALL
 
 import sheetmorph as sm
+from sheetmorph.core.errors import ComputationError
+from sheetmorph.energy.guard import TriangleGuard
 from sheetmorph.study.design_keys import number_at
+from sheetmorph.study.key_slopes import KeySlopes
+from sheetmorph.study.model import build_problem
 from sheetmorph.study.sensitivity import Objective, distance_to, sensitivities
 
 PADS = 42
@@ -115,3 +121,14 @@ def test_shapes_that_touch_are_drawn_together() -> None:
         value = number_at(result.design, key)
         expected = anew.slope({key: value}, {key: value}) / value
         assert found[key] == pytest.approx(expected, rel=1e-4), key
+
+
+def test_a_term_that_is_no_part_of_the_chain_is_refused() -> None:
+    """A new kind of energy must be told to the chain before there are derivatives by keys."""
+    problem = build_problem(sm.Design.from_toml(text_of("published", HELD)))
+    nodes = problem.mesh.nodes
+    more = TriangleGuard.of(problem.mesh, np.ones(len(problem.mesh.triangles)))
+    total = replace(problem.total, terms=(*problem.total.terms, more))
+    still = np.zeros(nodes.size)
+    with pytest.raises(ComputationError, match="guard is not known"):
+        KeySlopes.of(replace(problem, total=total), {}, nodes.ravel(), still, 1.0)

@@ -7,11 +7,14 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from sheetmorph.core.errors import ComputationError
 from sheetmorph.design.laminate import stack_of
 from sheetmorph.design.load_tables import WeightLoad
 from sheetmorph.design.loads import force_of
 from sheetmorph.design.regions import Regions
 from sheetmorph.design.spec import Design
+from sheetmorph.energy.loads import NodalLoad
+from sheetmorph.energy.table import TableContact
 from sheetmorph.geometry.mesh import Floats
 from sheetmorph.study.contact_slopes import ContactSlopes
 from sheetmorph.study.design_keys import piece_with, place_of, with_number
@@ -65,7 +68,16 @@ class KeySlopes:
             x: the state, shape (n,).
             adjoint: λ, shape (n,).
             ramp: actuation of the state.
+
+        Raises:
+            ComputationError: a term of the energy that is no part of the chain.
         """
+        for term in problem.total.terms[len(problem.model.terms) :]:
+            if not isinstance(term, NodalLoad | TableContact):
+                raise ComputationError(
+                    f"what keys do to the energy term {term.name} is not known, so there are no "
+                    "derivatives by keys beside it"
+                )
         motion = problem.positions(adjoint)
         contact = ContactSlopes.of(problem, x, adjoint)
         own = dict(fields)
