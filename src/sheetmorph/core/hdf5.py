@@ -1,14 +1,19 @@
-"""HDF5 files that are whole or absent, even where the disk has no room.
+"""HDF5 files: whole or absent, even where the disk has no room; damaged ones end no reader.
 
 The HDF5 library (1.14 and 2.0) ends the process with a segmentation fault when it closes a file
 that it could not write to its end. So it never learns of it: it writes into a file of ours, which
 keeps in memory what the disk does not take, and says so when the library is done.
+
+Reading, it goes round for ever in a heap of texts of variable length whose last piece says that
+it is empty. So the heaps are walked through before the library sees the file.
 """
 
 from __future__ import annotations
 
 import io
+import mmap
 import os
+import struct
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -45,6 +50,50 @@ def writing_hdf5(
             sink.check()
             raise OSError(str(error)) from error
         sink.check()
+
+
+def open_hdf5(path: Path) -> Any:
+    """The open `h5py.File`, for reading.
+
+    Raises:
+        OSError: it is none, or damaged.
+    """
+    import h5py
+
+    _check_heaps(path)
+    return h5py.File(path, "r")
+
+
+_HEAP = b"GCOL\x01\0\0\0"
+_PIECE = 16
+"""Bytes at the head of a heap, and of each piece in it, which are filled up to eights."""
+
+
+def _check_heaps(path: Path) -> None:
+    """Walk through all global heaps (HDF5 file format specification, III.E)."""
+    with path.open("rb") as stream:
+        if os.fstat(stream.fileno()).st_size == 0:
+            return
+        with mmap.mmap(stream.fileno(), 0, access=mmap.ACCESS_READ) as data:
+            start = data.find(_HEAP)
+            while start >= 0:
+                _check_heap(data, start)
+                start = data.find(_HEAP, start + 1)
+
+
+def _check_heap(data: mmap.mmap, start: int) -> None:
+    if start + _PIECE > len(data):
+        raise OSError("a heap of texts is cut off")
+    (size,) = struct.unpack_from("<Q", data, start + 8)
+    place, end = start + _PIECE, start + size
+    if not start + _PIECE <= end <= len(data):
+        raise OSError("a heap of texts is damaged")
+    while place + _PIECE <= end:
+        number, _, _, length = struct.unpack_from("<HHIQ", data, place)
+        # What is free comes last, and counts its own head.
+        place += length if number == 0 else _PIECE + -(-length // 8) * 8
+        if place > end or (number == 0 and place != end):
+            raise OSError("a heap of texts is damaged")
 
 
 class Sink:

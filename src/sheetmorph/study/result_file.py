@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sheetmorph.core.errors import InputError
-from sheetmorph.core.hdf5 import writing_hdf5
+from sheetmorph.core.hdf5 import open_hdf5, writing_hdf5
 from sheetmorph.study.motion_record import COLUMNS, MotionRecord
 
 if TYPE_CHECKING:
@@ -119,12 +119,10 @@ def read_result(path: Path) -> dict[str, Any]:
     Raises:
         InputError: the file is not there, is truncated, or is no result of sheetmorph.
     """
-    import h5py
-
     if not path.is_file():
         raise InputError("there is no such result file", file=path)
     try:
-        with h5py.File(path, "r") as file:
+        with open_hdf5(path) as file:
             if file.attrs.get("format") != FORMAT:
                 raise InputError("this HDF5 file is no result of sheetmorph", file=path)
             if int(file.attrs["format_version"]) > FORMAT_VERSION:

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from sheetmorph import __version__
 from sheetmorph.core.errors import InputError
-from sheetmorph.core.hdf5 import writing_hdf5
+from sheetmorph.core.hdf5 import open_hdf5, writing_hdf5
 
 FILE = "states.h5"
 FORMAT = "sheetmorph sweep states"
@@ -111,10 +111,8 @@ def open_states(path: Path) -> Any:
     Raises:
         InputError: it is not there, or is none.
     """
-    import h5py
-
     try:
-        file = h5py.File(path, "r")
+        file = open_hdf5(path)
     except OSError as error:
         reason = " ".join(str(error).split())
         raise InputError(f"the states cannot be read ({reason})", file=path) from None
