@@ -162,8 +162,9 @@ def audit() -> int:
     if code != 0 and checked:
         return 1
     if not checked or skipped:
+        which = ", ".join(skipped) if checked else "all of them"
         print(
-            f"NOT CHECKED for known vulnerabilities: {', '.join(skipped) or 'all of them'}.\n"
+            f"NOT CHECKED for known vulnerabilities: {which}.\n"
             "With a network: python make.py audit. Without: osv-scanner and a copy of the "
             f"advisories (PyPI/all.zip), whose folder {COPY} names."
         )
