@@ -34,6 +34,7 @@ MESH = {"mesh.size": "5 mm"}
 """Of the hidden designs and of those that are found: 300 to 500 nodes."""
 GOOD = 0.01
 QUICK = ("--descents", "1", "--accuracy", "1")
+SLENDER = ("--fix", "aspect=0.5", "--set", "mesh.size=5.5 mm", "--seed", "3")
 ORDERS = (
     ("bowl:0.5", "free", ("--budget", "60", "--descents", "1")),
     ("bowl:0.35", "star", ("--budget", "60", "--descents", "1")),
@@ -42,6 +43,7 @@ ORDERS = (
     ("saddle:0.4", "ring", ("--budget", "36", *QUICK)),
     ("cylinder:0.3", "stripes", ("--budget", "48", *QUICK)),
     ("letter:L:0.4", "free", ("--budget", "24", "--steps", "4", *QUICK)),
+    ("canoe:2.0:0.35", "canoe", (*SLENDER, "--budget", "60", *QUICK)),
     ("canoe:1.5:0.5", "canoe", ("--budget", "36", "--set", "mesh.size=4.5 mm", *QUICK)),
     ("canoe:2.0:0.6", "canoe", ("--budget", "36", "--set", "mesh.size=4.5 mm", *QUICK)),
 )
