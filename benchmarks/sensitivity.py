@@ -34,7 +34,7 @@ SHEETS = {
     "petals": ("petals", FEW, {}),
     "bowl": ("bowl", FEW, {}),
     "canoe": ("canoe", FEW, {}),
-    "pads": ("bowl", MANY, {}),
+    "pads": ("bowl", MANY, {"actuation.eps_pre": -0.5}),
     "weight": ("bowl", FEW, WEIGHT),
 }
 """Published design, number of pads, further keys."""
