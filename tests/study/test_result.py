@@ -135,6 +135,13 @@ def _replace(name: str, values: np.ndarray):  # type: ignore[no-untyped-def]
     return edit
 
 
+def _set(name: str, value: float):  # type: ignore[no-untyped-def]
+    def edit(h5: h5py.File) -> None:
+        h5[name][..., 0] = value
+
+    return edit
+
+
 @pytest.mark.parametrize(
     ("edit", "message"),
     [
@@ -146,6 +153,11 @@ def _replace(name: str, values: np.ndarray):  # type: ignore[no-untyped-def]
         (_replace("states/positions", np.array([b"x"])), "numbers"),
         (_replace("design", "name = 3"), "name"),
         (_replace("summary", "{"), "cannot be read"),
+        (_replace("summary", "3"), "summary is no table"),
+        (_replace("mesh/nodes", 3.0), "mesh/nodes is one number"),
+        (_set("mesh/nodes", np.nan), "nodes has a coordinate that is not a finite number"),
+        (_set("states/positions", -np.inf), "positions has a coordinate that is not"),
+        (_set("states/positions", 1e300), "positions has a coordinate that is not"),
         (_announce, "announces more than the file holds"),
     ],
 )

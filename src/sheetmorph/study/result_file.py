@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from sheetmorph.core.errors import InputError
 from sheetmorph.core.hdf5 import open_hdf5, writing_hdf5
+from sheetmorph.geometry.topology import MAX_COORDINATE
 from sheetmorph.study.motion_record import COLUMNS, MotionRecord
 
 if TYPE_CHECKING:
@@ -140,8 +141,10 @@ def read_result(path: Path) -> dict[str, Any]:
             none = np.zeros((len(parts["ramp"]), 0))
             parts["scalars"] = _read(file, _SCALARS) if _SCALARS in file else none
             parts["motion"] = _read_motion(file) if "motion" in file else None
-    except InputError:
-        raise
+            if not isinstance(parts["summary"], dict):
+                raise InputError("summary is no table; the file is damaged")
+    except InputError as error:
+        raise error.located(path) from None
     except (OSError, RuntimeError, KeyError, ValueError, TypeError, AttributeError) as error:
         reason = " ".join(str(error).split())
         raise InputError(f"this result cannot be read ({reason})", file=path) from None
@@ -171,6 +174,8 @@ def _read(file: Any, name: str) -> NDArray[Any]:
         raise InputError(f"{name} announces {dataset.size} values", allowed=f"≤ {MAX_VALUES}")
     if dataset.dtype.kind not in "fiub":
         raise InputError(f"{name} does not hold numbers")
+    if not dataset.shape:
+        raise InputError(f"{name} is one number; the file is damaged")
     return np.asarray(dataset[()])
 
 
@@ -224,6 +229,13 @@ def _check_shapes(parts: dict[str, Any], path: Path) -> None:
             )
     if s < 1:
         raise InputError("the file holds no state", file=path)
+    for name, places in (("nodes", mesh["nodes"]), ("positions", parts["positions"])):
+        if not (np.abs(places) <= MAX_COORDINATE).all():
+            raise InputError(
+                f"{name} has a coordinate that is not a finite number below "
+                f"{MAX_COORDINATE:.0e} m; the file is damaged",
+                file=path,
+            )
     for name, limit in (("triangles", v), ("edges", v), ("hinges", v), ("hinge_edges", e)):
         indices = mesh[name]
         if indices.size and (indices.min() < 0 or indices.max() >= limit):
