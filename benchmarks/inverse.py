@@ -35,6 +35,7 @@ MESH = {"mesh.size": "5 mm"}
 GOOD = 0.01
 QUICK = ("--descents", "1", "--accuracy", "1")
 SLENDER = ("--fix", "aspect=0.5", "--set", "mesh.size=5.5 mm", "--seed", "3")
+SHORT = ("--fix", "arm_length=0.207", "--fix", "spacing=0.914", "--fix", "half_width=0.109")
 ORDERS = (
     ("bowl:0.5", "free", ("--budget", "60", "--descents", "1")),
     ("bowl:0.35", "star", ("--budget", "60", "--descents", "1")),
@@ -44,6 +45,11 @@ ORDERS = (
     ("cylinder:0.3", "stripes", ("--budget", "48", *QUICK)),
     ("letter:L:0.4", "free", ("--budget", "24", "--steps", "4", *QUICK)),
     ("canoe:2.0:0.35", "canoe", (*SLENDER, "--budget", "60", *QUICK)),
+    (
+        "canoe:2.0:0.35",
+        "canoe",
+        (*SHORT, "--fix", "aspect=0.507", *SLENDER[2:4], "--budget", "12", *QUICK),
+    ),
     ("canoe:1.5:0.5", "canoe", ("--budget", "36", "--set", "mesh.size=4.5 mm", *QUICK)),
     ("canoe:2.0:0.6", "canoe", ("--budget", "36", "--set", "mesh.size=4.5 mm", *QUICK)),
 )
@@ -139,8 +145,8 @@ def run_hidden(part: str, budget: int, descents: int) -> None:
 def run_orders() -> None:
     """Find designs for named shapes by the command line, and tell how they came out."""
     folder = Path(__file__).parent / "results" / "inverse"
-    for target, family, more in ORDERS:
-        place = folder / f"{target.replace(':', '-')}-{family}"
+    for number, (target, family, more) in enumerate(ORDERS):
+        place = folder / f"{number + 1:02}-{target.replace(':', '-')}-{family}"
         began = process_time()
         arguments = ["design", target, "--family", family, "-o", str(place), "--force", *more]
         code = entry.main([*arguments, "--workers", "1", "--quiet"])
