@@ -32,6 +32,8 @@ SITE = ROOT / "build" / "site"
 PYTHON = BIN / ("python.exe" if os.name == "nt" else "python")
 COPY = "OSV_SCANNER_LOCAL_DB_CACHE_DIRECTORY"
 """The variable that names the folder with a local copy of the advisories, for osv-scanner."""
+SIDE_BY_SIDE = ("-n", str((os.cpu_count() or 1) + 1), "--dist", "worksteal")
+"""Tests run so: one more than there are cores, for some wait for the processes that they start."""
 LARGEST_INSTALL = 1_600_000_000
 """Most bytes that the wheel and all it brings may take on disk."""
 TRIAL = (
@@ -197,7 +199,7 @@ def _checks(*selection: str) -> int:
         (PYTHON, "-m", "ruff", "check", "."),
         (PYTHON, "-m", "ruff", "format", "--check", "."),
         (PYTHON, "-m", "mypy"),
-        (PYTHON, "-m", "pytest", "-q", "-n", "auto", "--dist", "worksteal", *selection),
+        (PYTHON, "-m", "pytest", "-q", *SIDE_BY_SIDE, *selection),
     )
     # The tests come last, so that their count closes the output; all steps are run.
     codes = [run(*step, check=False) for step in steps[:-1]]
