@@ -26,6 +26,7 @@ from sheetmorph.branches.walk import bifurcations, unperturbed_path
 from sheetmorph.cli import main
 from sheetmorph.core.errors import InputError
 from sheetmorph.design.presets import preset_text
+from sheetmorph.geometry.surface import dihedral_angles
 from sheetmorph.geometry.symmetry import node_images
 from sheetmorph.proofs.bilayer_disc import DiscSheet
 from sheetmorph.solve.critical import stationary
@@ -309,3 +310,15 @@ def test_the_barrier_between_two_bowls() -> None:
     assert barrier.converged and barrier.negative == 1
     assert barrier.height > high.energy - low.energy > 0.0
     assert barrier.height - barrier.back == pytest.approx(high.energy - low.energy, rel=1e-6)
+
+
+def test_shapes_that_lean_on_a_guard_are_none_of_the_sheet() -> None:
+    """Kicks fold the coarse petals along a few edges, where only the guard holds them."""
+    design = sm.Design.from_toml(preset_text("petals", "petals"))
+    found = find_branches(design, SearchOptions(modes=2, random=0))
+    assert [one.stable for one in found.branches] == [True, True]
+    ended = {one.status for one in found.attempts if one.branch is None}
+    assert "leans on a guard" in ended
+    for one in found.branches:
+        angles = dihedral_angles(one.positions, found.result.mesh.hinges)
+        assert np.abs(angles).max() < np.radians(60.0)

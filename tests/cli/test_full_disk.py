@@ -22,7 +22,7 @@ outline = { kind = "rectangle", width = "40 mm", height = "8 mm" }
 pattern = [{ kind = "rectangle", width = "40 mm", height = "4 mm" }]
 layers = [
   { name = "film", role = "active", thickness = "0.3 mm", young_modulus = "1 MPa" },
-  { name = "PLA", role = "inert", where = "pattern", thickness = "0.7 mm", young_modulus = "3 MPa" },
+  { name = "PLA", role = "inert", where = "pattern", thickness = "1 mm", young_modulus = "3 MPa" },
 ]
 actuation = { eps_pre = -0.1 }
 mesh = { size = "4 mm" }

@@ -40,3 +40,14 @@ def test_a_place_that_is_none(tmp_path: Path) -> None:
     (tmp_path / "file").write_text("x", encoding="utf-8")
     with pytest.raises(OutputError, match="-o"), sole_user(tmp_path / "file" / "under"):
         pass
+
+
+def test_folders_that_were_made_for_nothing_are_removed(tmp_path: Path) -> None:
+    (tmp_path / "there").mkdir()
+    with sole_user(tmp_path / "there" / "new" / "deep"):
+        pass
+    assert [*tmp_path.rglob("*")] == [tmp_path / "there"]
+    with sole_user(tmp_path / "there" / "new" / "deep"):
+        (tmp_path / "there" / "new" / "file").touch()
+    assert (tmp_path / "there" / "new" / "file").exists()
+    assert not (tmp_path / "there" / "new" / "deep").exists()

@@ -27,7 +27,8 @@ class Attempt:
     Attributes:
         seed: its name.
         kind: its kind, see `sheetmorph.branches.seeds.Seed`.
-        status: how its path ended, see `sheetmorph.solve.path.Status`.
+        status: how its path ended, see `sheetmorph.solve.path.Status`; or why its end is no
+            branch.
         reached: fraction of the actuation that it reached.
         branch: number of the branch at which it ended, from 1; None where it did not arrive.
         image: the map of the design that takes the branch to its shape, "" for none.

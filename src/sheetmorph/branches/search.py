@@ -238,6 +238,9 @@ class _Search:
         if branch is None:
             self.attempts.append(replace(attempt, status="not an equilibrium"))
             return
+        if attempt.kind != "perturbation" and self.problem.held_open(branch.positions):
+            self.attempts.append(replace(attempt, status="leans on a guard"))
+            return
         number, image = None, ""
         for known in self.found:
             apart, image = self.sameness.distance(known.positions, branch.positions)

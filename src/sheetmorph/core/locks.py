@@ -19,7 +19,8 @@ def sole_user(folder: str | Path) -> Iterator[None]:
     that bears it is removed at the end.
 
     Args:
-        folder: made when absent, and removed again where the job left nothing in it.
+        folder: made when absent, with those around it, and removed again where the job left
+            nothing in it.
 
     Raises:
         InputError: another job is at work there.
@@ -28,7 +29,7 @@ def sole_user(folder: str | Path) -> Iterator[None]:
     from filelock import FileLock, Timeout
 
     place = Path(folder)
-    new = not place.exists()
+    made = [one for one in (place, *place.parents) if not one.exists()]
     lock = FileLock(place / FILE, thread_local=False)
     try:
         place.mkdir(parents=True, exist_ok=True)
@@ -50,6 +51,6 @@ def sole_user(folder: str | Path) -> Iterator[None]:
         with suppress(PermissionError):  # Windows removes no open file; an empty one stays
             (place / FILE).unlink(missing_ok=True)
         lock.release()
-        if new:
-            with suppress(OSError):  # not empty: the job wrote something
-                place.rmdir()
+        with suppress(OSError):  # not empty: the job wrote something
+            for one in made:
+                one.rmdir()

@@ -12,6 +12,8 @@ from sheetmorph.design.loads import load_forces
 from sheetmorph.design.regions import Regions, regions
 from sheetmorph.design.spec import Design
 from sheetmorph.design.supports import held_components, perturbation_forces
+from sheetmorph.energy.fold import FoldGuard
+from sheetmorph.energy.guard import TriangleGuard
 from sheetmorph.energy.loads import AppliedLoad, NodalLoad
 from sheetmorph.energy.total import Total
 from sheetmorph.geometry.mesh import Floats, SheetMesh
@@ -67,6 +69,12 @@ class Problem:
         """Largest residual force that counts as equilibrium [N]."""
         asked = self.design.solver.tolerance * self.model.force_scale
         return max(asked, RESIDUAL_FLOOR * self.model.stretch_force)
+
+    def held_open(self, positions: Floats) -> dict[str, int]:
+        """What guards keep from happening in a shape, and in how many places; none is empty."""
+        guards = [one for one in self.model.terms if isinstance(one, TriangleGuard | FoldGuard)]
+        places = {guard.keeps: len(guard.held_open(positions)) for guard in guards}
+        return {what: count for what, count in places.items() if count}
 
     def positions(self, x: Floats) -> Floats:
         """Node positions among the degrees of freedom [m], shape (V, 3)."""

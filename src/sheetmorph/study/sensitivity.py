@@ -8,8 +8,6 @@ from dataclasses import dataclass
 import numpy as np
 
 from sheetmorph.core.errors import ComputationError, InputError
-from sheetmorph.energy.fold import FoldGuard
-from sheetmorph.energy.guard import TriangleGuard
 from sheetmorph.geometry.mesh import Floats
 from sheetmorph.solve.adjoint import adjoint_state
 from sheetmorph.solve.constraints import HeldDofs
@@ -128,13 +126,12 @@ def sensitivities(
 
 def _check_open(problem: Problem, positions: Floats) -> None:
     """Refuse a shape in which guards hold triangles open."""
-    for term in problem.model.terms:
-        if isinstance(term, TriangleGuard | FoldGuard) and len(held := term.held_open(positions)):
-            raise ComputationError(
-                f"the shape leans on the guard that keeps {term.keeps} ({len(held)} "
-                "places), which is no property of the sheet, so it has no sensitivities; refine "
-                "the mesh there or actuate less"
-            )
+    for what, places in problem.held_open(positions).items():
+        raise ComputationError(
+            f"the shape leans on the guard that keeps {what} ({places} places), which is no "
+            "property of the sheet, so it has no sensitivities; refine the mesh there or actuate "
+            "less"
+        )
 
 
 @dataclass(frozen=True, eq=False)
