@@ -10,7 +10,9 @@ import numpy as np
 
 from sheetmorph.core.compiled import kernel
 from sheetmorph.energy.guard import part_of_step
-from sheetmorph.energy.hinge import add_angle_hessian
+from sheetmorph.energy.hinge import add_angle_hessian, outer_products
+from sheetmorph.energy.term import Kernel
+from sheetmorph.energy.vectors import cross, dot, normal
 from sheetmorph.geometry.mesh import Floats, Ints, SheetMesh
 from sheetmorph.geometry.surface import dihedral_angles
 
@@ -85,29 +87,9 @@ class FoldGuard:
         """
         return part_of_step(lambda part: not _passes_flat(x, step, part, self.stencil), HALVINGS)
 
-    def local(
-        self,
-        x: Floats,
-        start: int,
-        stop: int,
-        order: int,
-        energy: Floats,
-        gradient: Floats,
-        hessian: Floats,
-    ) -> None:
-        """Local energies and derivatives; see `sheetmorph.energy.term.Term.local`."""
-        _fold_local(
-            x,
-            self.stencil,
-            self.stiffness,
-            self.limit,
-            start,
-            stop,
-            order,
-            energy,
-            gradient,
-            hessian,
-        )
+    def local_kernel(self) -> Kernel:
+        """Kernel and parameters; see `sheetmorph.energy.term.Term.local_kernel`."""
+        return _fold_local, (self.stencil, self.stiffness, self.limit)
 
 
 @kernel
@@ -116,26 +98,15 @@ def _normals(x, nodes, n):  # type: ignore[no-untyped-def]
     a, b, c, d = nodes[0], nodes[1], nodes[2], nodes[3]
     for r in range(3):
         n[0, r] = x[b, r] - x[a, r]
-    for r in range(3):
-        p, q = (r + 1) % 3, (r + 2) % 3
-        n[1, r] = n[0, p] * (x[c, q] - x[a, q]) - n[0, q] * (x[c, p] - x[a, p])
-        n[2, r] = (x[d, p] - x[a, p]) * n[0, q] - (x[d, q] - x[a, q]) * n[0, p]
-    return n[1, 0] * n[2, 0] + n[1, 1] * n[2, 1] + n[1, 2] * n[2, 2]
-
-
-@kernel
-def _square(v):  # type: ignore[no-untyped-def]
-    return v[0] * v[0] + v[1] * v[1] + v[2] * v[2]
+    normal(x, a, b, c, n[1])
+    normal(x, a, d, b, n[2])
+    return dot(n[1], n[2])
 
 
 @kernel
 def _angle(n, product):  # type: ignore[no-untyped-def]
     """The dihedral angle by what `_normals` gives."""
-    sine = 0.0
-    for r in range(3):
-        p, q = (r + 1) % 3, (r + 2) % 3
-        sine += n[0, r] * (n[1, p] * n[2, q] - n[1, q] * n[2, p])
-    return math.atan2(sine / math.sqrt(_square(n[0])), product)
+    return math.atan2(dot(n[0], cross(n[1], n[2])) / math.sqrt(dot(n[0], n[0])), product)
 
 
 @kernel
@@ -146,7 +117,7 @@ def _any_folded(x, stencil, cosine):  # type: ignore[no-untyped-def]
         product = _normals(x, stencil[i], n)
         if product >= 0.0 and cosine <= 0.0:
             continue
-        if product < cosine * math.sqrt(_square(n[1]) * _square(n[2])):
+        if product < cosine * math.sqrt(dot(n[1], n[1]) * dot(n[2], n[2])):
             return True
     return False
 
@@ -192,13 +163,9 @@ def _fold_local(  # type: ignore[no-untyped-def]
             continue
         moment = stiffness[i] * (rest * rest / u - 2.0 * rest * y) / math.copysign(width, theta)
         a, c, d = stencil[i, 0], stencil[i, 2], stencil[i, 3]
-        length = math.sqrt(_square(n[0]))
-        foot1, foot2, double1, double2 = (
-            0.0,
-            0.0,
-            math.sqrt(_square(n[1])),
-            math.sqrt(_square(n[2])),
-        )
+        length = math.sqrt(dot(n[0], n[0]))
+        double1, double2 = math.sqrt(dot(n[1], n[1])), math.sqrt(dot(n[2], n[2]))
+        foot1 = foot2 = 0.0
         for r in range(3):
             n[0, r] /= length
             n[1, r] /= double1
@@ -216,29 +183,14 @@ def _fold_local(  # type: ignore[no-untyped-def]
         if order < 2:
             continue
         second = stiffness[i] * (rest * (4.0 + rest / u) / u - 2.0 * y) / (width * width)
-        pair = 0
-        for p in range(4):
-            for q in range(p, 4):
-                for r in range(3):
-                    for s in range(3):
-                        hess[k, pair, r, s] = second * g[p, r] * g[q, s]
-                pair += 1
+        outer_products(hess, k, second, g)
         if order == 3:
             continue
         along, n1, n2 = n[0], n[1], n[2]
-        inward1, inward2 = _cross(n1, along), _cross(along, n2)
+        inward1, inward2 = cross(n1, along), cross(along, n2)
         add_angle_hessian(
             hess, k, -moment, 1.0 / length, length / double1, foot1, along, n1, inward1, 2
         )
         add_angle_hessian(
             hess, k, -moment, 1.0 / length, length / double2, foot2, along, n2, inward2, 3
         )
-
-
-@kernel
-def _cross(v, w):  # type: ignore[no-untyped-def]
-    return (
-        v[1] * w[2] - v[2] * w[1],
-        v[2] * w[0] - v[0] * w[2],
-        v[0] * w[1] - v[1] * w[0],
-    )

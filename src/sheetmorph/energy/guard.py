@@ -10,6 +10,8 @@ from typing import Self
 import numpy as np
 
 from sheetmorph.core.compiled import kernel
+from sheetmorph.energy.term import Kernel
+from sheetmorph.energy.vectors import dot, normal
 from sheetmorph.geometry.mesh import Floats, Ints, SheetMesh
 
 WORST = 0.3
@@ -97,29 +99,9 @@ class TriangleGuard:
         """
         return part_of_step(lambda part: not _turns_over(x, step, part, self.stencil), HALVINGS)
 
-    def local(
-        self,
-        x: Floats,
-        start: int,
-        stop: int,
-        order: int,
-        energy: Floats,
-        gradient: Floats,
-        hessian: Floats,
-    ) -> None:
-        """Local energies and derivatives; see `sheetmorph.energy.term.Term.local`."""
-        _guard_local(
-            x,
-            self.stencil,
-            self.limit,
-            self.stiffness,
-            start,
-            stop,
-            order,
-            energy,
-            gradient,
-            hessian,
-        )
+    def local_kernel(self) -> Kernel:
+        """Kernel and parameters; see `sheetmorph.energy.term.Term.local_kernel`."""
+        return _guard_local, (self.stencil, self.limit, self.stiffness)
 
 
 def qualities(x: Floats, triangles: Ints) -> Floats:
@@ -148,26 +130,16 @@ def part_of_step(allowed: Callable[[float], bool], halvings: int) -> float:
 
 
 @kernel
-def _normal(x, corners, n):  # type: ignore[no-untyped-def]
-    """Write the normal of a triangle, twice its area long; the squared length."""
-    a, b, c = corners[0], corners[1], corners[2]
-    for r in range(3):
-        p, q = (r + 1) % 3, (r + 2) % 3
-        n[r] = (x[b, p] - x[a, p]) * (x[c, q] - x[a, q])
-        n[r] -= (x[b, q] - x[a, q]) * (x[c, p] - x[a, p])
-    return n[0] * n[0] + n[1] * n[1] + n[2] * n[2]
-
-
-@kernel
 def _any_squeezed(x, stencil, limit):  # type: ignore[no-untyped-def]
     """Is the quality of a triangle below its limit?"""
     n = np.empty(3)
     for i in range(len(stencil)):
-        square, squares = _normal(x, stencil[i], n), 0.0
+        a, b, c = stencil[i, 0], stencil[i, 1], stencil[i, 2]
+        square, squares = normal(x, a, b, c, n), 0.0
         for p in range(3):
-            a, b = stencil[i, p], stencil[i, (p + 1) % 3]
+            ahead, past = stencil[i, (p + 1) % 3], stencil[i, (p + 2) % 3]
             for r in range(3):
-                squares += (x[b, r] - x[a, r]) ** 2
+                squares += (x[past, r] - x[ahead, r]) ** 2
         if not 12.0 * square >= (limit[i] * squares) ** 2:
             return True
     return False
@@ -179,9 +151,9 @@ def _turns_over(x, step, part, stencil):  # type: ignore[no-untyped-def]
     before, after = np.empty(3), np.empty(3)
     y = x + part * step
     for i in range(len(stencil)):
-        size, left = _normal(x, stencil[i], before), _normal(y, stencil[i], after)
-        turned = before[0] * after[0] + before[1] * after[1] + before[2] * after[2]
-        if not (turned > 0.0 and left >= LEAST_AREA**2 * size):
+        a, b, c = stencil[i, 0], stencil[i, 1], stencil[i, 2]
+        size, left = normal(x, a, b, c, before), normal(y, a, b, c, after)
+        if not (dot(before, after) > 0.0 and left >= LEAST_AREA**2 * size):
             return True
     return False
 

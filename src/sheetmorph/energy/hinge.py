@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from sheetmorph.core.compiled import kernel
+from sheetmorph.energy.term import Kernel
 from sheetmorph.geometry.mesh import Floats, Ints, SheetMesh
 
 
@@ -57,32 +58,11 @@ class CoupledHinge:
             rng.uniform(-0.5, 0.5, count),
         )
 
-    def local(
-        self,
-        x: Floats,
-        start: int,
-        stop: int,
-        order: int,
-        energy: Floats,
-        gradient: Floats,
-        hessian: Floats,
-    ) -> None:
-        """Local energies and derivatives; see `sheetmorph.energy.term.Term.local`."""
-        _coupled_hinge(
-            x,
-            self.stencil,
-            self.rest_length,
-            self.stiffness,
-            self.coupling,
-            self.eigenstrain_mismatch,
-            self.ramp,
-            start,
-            stop,
-            order,
-            energy,
-            gradient,
-            hessian,
-        )
+    def local_kernel(self) -> Kernel:
+        """Kernel and parameters; see `sheetmorph.energy.term.Term.local_kernel`."""
+        lengths, stiffness, coupling = self.rest_length, self.stiffness, self.coupling
+        parameters = (lengths, stiffness, coupling, self.eigenstrain_mismatch, self.ramp)
+        return _coupled_hinge, (self.stencil, *parameters)
 
 
 @kernel
@@ -189,7 +169,7 @@ def _coupled_hinge(  # type: ignore[no-untyped-def]
                 grad[k, p, r] = moment * g[p, r]
         if order < 2:
             continue
-        _outer(hess, k, kb, g)
+        outer_products(hess, k, kb, g)
         if order == 3:
             continue
         u = (ux, uy, uz)
@@ -206,12 +186,13 @@ def _coupled_hinge(  # type: ignore[no-untyped-def]
 
 
 @kernel
-def _outer(hess, k, kb, g):  # type: ignore[no-untyped-def]
+def outer_products(hess, k, factor, g):  # type: ignore[no-untyped-def]
+    """Write factor · g_p g_qᵀ into the blocks of all pairs of four nodes."""
     pair = 0
     for p in range(4):
         for q in range(p, 4):
             for r in range(3):
-                f = kb * g[p, r]
+                f = factor * g[p, r]
                 for c in range(3):
                     hess[k, pair, r, c] = f * g[q, c]
             pair += 1

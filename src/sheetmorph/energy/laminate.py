@@ -9,7 +9,8 @@ import numpy as np
 from sheetmorph.energy.laminate_kernel import laminate_local
 from sheetmorph.energy.laminate_patch import Patch
 from sheetmorph.energy.lamination import Lamination, Rest
-from sheetmorph.geometry.mesh import Floats, Ints, SheetMesh
+from sheetmorph.energy.term import Kernel
+from sheetmorph.geometry.mesh import Ints, SheetMesh
 
 
 @dataclass(frozen=True, eq=False)
@@ -70,33 +71,8 @@ class LaminateShell:
         patch = Patch.of(mesh, director_length=mesh.mean_edge_length)
         return cls.of(patch, Lamination.specimen(mesh, patch, rng))
 
-    def local(
-        self,
-        x: Floats,
-        start: int,
-        stop: int,
-        order: int,
-        energy: Floats,
-        gradient: Floats,
-        hessian: Floats,
-    ) -> None:
-        """Local energies and derivatives; see `sheetmorph.energy.term.Term.local`."""
+    def local_kernel(self) -> Kernel:
+        """Kernel and parameters; see `sheetmorph.energy.term.Term.local_kernel`."""
         patch, rest = self.patch, self.rest
-        laminate_local(
-            x,
-            patch.stencil,
-            patch.directors,
-            patch.share,
-            patch.turn,
-            patch.lean,
-            patch.flap,
-            rest.stiffness,
-            rest.natural,
-            rest.floor,
-            start,
-            stop,
-            order,
-            energy,
-            gradient,
-            hessian,
-        )
+        sides = (patch.directors, patch.share, patch.turn, patch.lean, patch.flap)
+        return laminate_local, (patch.stencil, *sides, rest.stiffness, rest.natural, rest.floor)

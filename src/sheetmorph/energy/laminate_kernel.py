@@ -47,7 +47,7 @@ def laminate_local(  # type: ignore[no-untyped-def]
     grad,
     hess,
 ):
-    """Write the local quantities of triangles start … stop − 1, see `Term.local`.
+    """Write the local quantities of triangles start … stop − 1, see `evaluate_elements`.
 
     Seven local nodes: the corners, the nodes beyond the sides, and the three directors.
 

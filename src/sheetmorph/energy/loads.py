@@ -8,6 +8,7 @@ from typing import Self
 import numpy as np
 
 from sheetmorph.core.compiled import kernel
+from sheetmorph.energy.term import Kernel
 from sheetmorph.geometry.mesh import Floats, Ints, SheetMesh
 
 
@@ -43,20 +44,9 @@ class NodalLoad:
         nodes = np.arange(len(mesh.nodes), dtype=np.int32)[:, None]
         return cls(nodes, rng.standard_normal(mesh.nodes.shape), mesh.nodes)
 
-    def local(
-        self,
-        x: Floats,
-        start: int,
-        stop: int,
-        order: int,
-        energy: Floats,
-        gradient: Floats,
-        hessian: Floats,
-    ) -> None:
-        """Local energies and gradients; the Hessian is zero and is left untouched."""
-        _nodal_load(
-            x, self.stencil, self.force, self.rest, self.factor, start, stop, energy, gradient
-        )
+    def local_kernel(self) -> Kernel:
+        """Kernel and parameters; the Hessian is zero and is never asked for."""
+        return _nodal_load, (self.stencil, self.force, self.rest, self.factor)
 
 
 @dataclass(frozen=True, eq=False)
@@ -88,7 +78,7 @@ class Weight(NodalLoad):
 
 
 @kernel
-def _nodal_load(x, stencil, force, rest, factor, start, stop, energy, gradient):  # type: ignore[no-untyped-def]
+def _nodal_load(x, stencil, force, rest, factor, start, stop, order, energy, gradient, hessian):  # type: ignore[no-untyped-def]
     for i in range(start, stop):
         k = i - start
         work = 0.0

@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from sheetmorph.core.compiled import kernel
+from sheetmorph.energy.term import Kernel
 from sheetmorph.geometry.mesh import Floats, Ints, SheetMesh
 
 
@@ -51,31 +52,10 @@ class EdgeStretch:
             rng.uniform(-0.7, 0.2, count),
         )
 
-    def local(
-        self,
-        x: Floats,
-        start: int,
-        stop: int,
-        order: int,
-        energy: Floats,
-        gradient: Floats,
-        hessian: Floats,
-    ) -> None:
-        """Local energies and derivatives; see `sheetmorph.energy.term.Term.local`."""
-        _edge_stretch(
-            x,
-            self.stencil,
-            self.rest_length,
-            self.stiffness,
-            self.eigenstrain,
-            self.ramp,
-            start,
-            stop,
-            order,
-            energy,
-            gradient,
-            hessian,
-        )
+    def local_kernel(self) -> Kernel:
+        """Kernel and parameters; see `sheetmorph.energy.term.Term.local_kernel`."""
+        parameters = (self.rest_length, self.stiffness, self.eigenstrain, self.ramp)
+        return _edge_stretch, (self.stencil, *parameters)
 
 
 @kernel

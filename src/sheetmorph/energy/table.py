@@ -9,6 +9,7 @@ from typing import Self
 import numpy as np
 
 from sheetmorph.core.compiled import kernel
+from sheetmorph.energy.term import Kernel, evaluate_elements
 from sheetmorph.geometry.mesh import Floats, Ints, SheetMesh
 
 HALFWAY = 0.5 + math.log(2.0)
@@ -82,7 +83,8 @@ class TableContact:
         """Forces of the table on the nodes, along `up` [N], shape (n,)."""
         count = len(self.stencil)
         energy, gradient = np.zeros(count), np.zeros((count, 1, 3))
-        self.local(x, 0, count, 1, energy, gradient, np.zeros((0, 1, 3, 3)))
+        hessian = np.zeros((0, 1, 3, 3))
+        evaluate_elements(self.local_kernel(), x, (0, count), 1, energy, gradient, hessian)
         return np.asarray(-gradient[:, 0] @ self.up)
 
     def reach(self, x: Floats, step: Floats) -> float:
@@ -97,31 +99,9 @@ class TableContact:
         part = (KEPT * self.heights(x)[falling] / fall[falling]).min(initial=1.0)
         return float(max(part, 0.0))
 
-    def local(
-        self,
-        x: Floats,
-        start: int,
-        stop: int,
-        order: int,
-        energy: Floats,
-        gradient: Floats,
-        hessian: Floats,
-    ) -> None:
-        """Local quantities; the Hessian is positive semidefinite, so order 3 is order 2."""
-        _table(
-            x,
-            self.stencil,
-            self.up,
-            self.offset,
-            self.range,
-            self.stiffness,
-            start,
-            stop,
-            order,
-            energy,
-            gradient,
-            hessian,
-        )
+    def local_kernel(self) -> Kernel:
+        """Kernel and parameters; it is convex, so that its order 3 is its order 2."""
+        return _table, (self.stencil, self.up, self.offset, self.range, self.stiffness)
 
 
 @kernel

@@ -12,7 +12,7 @@ from sheetmorph.core.compiled import kernel
 from sheetmorph.core.sparse import Growth, SymmetricPattern, symmetric_matrix
 from sheetmorph.energy.self_contact import SelfContact
 from sheetmorph.energy.structure import Slots, Structure, assembly_map
-from sheetmorph.energy.term import Term, local_width
+from sheetmorph.energy.term import Term, evaluate_elements, local_width
 from sheetmorph.geometry.mesh import Floats
 
 CHUNK = 1024
@@ -96,7 +96,7 @@ class Total:
         Args:
             x: degrees of freedom [m], shape (n,) or (n / 3, 3), C-contiguous.
             order: 0 energy only, 1 with the gradient, 2 with the Hessian, 3 with the positive
-                semidefinite part of the Hessian instead (see `Term.local`).
+                semidefinite part of the Hessian instead (see `evaluate_elements`).
 
         Returns:
             Energy [J]; gradient [N], shape (n,); entries of the Hessian [N/m] in the order
@@ -154,10 +154,10 @@ class Workspace:
             no_gradient=np.zeros((0, 3)),
         )
 
-    def local(self, term: Term) -> tuple[Floats, Floats]:
-        """Scratch for the local gradients and Hessians of a term."""
+    def local(self, term: Term) -> tuple[Floats, Floats, Floats]:
+        """Scratch for the local energies, gradients and Hessians of a term."""
         width = local_width(term)
-        return self.gradients[width], self.hessians[width]
+        return self.energy, self.gradients[width], self.hessians[width]
 
 
 def _chunks(count: int) -> list[tuple[int, int]]:
@@ -170,10 +170,9 @@ def _sum_term(
     if hasattr(term, "idle") and term.idle(nodes):
         return 0.0
     local_order = min(order, 1) if term.linear else order
-    local_gradient, local_hessian = work.local(term)
-    energy = 0.0
+    local, kernel, energy = work.local(term), term.local_kernel(), 0.0
     for start, stop in _chunks(len(term.stencil)):
-        term.local(nodes, start, stop, local_order, work.energy, local_gradient, local_hessian)
+        evaluate_elements(kernel, nodes, (start, stop), local_order, *local)
         energy += _scatter(
             term.stencil,
             slots.pairs,
@@ -183,9 +182,7 @@ def _sum_term(
             start,
             stop,
             local_order,
-            work.energy,
-            local_gradient,
-            local_hessian,
+            *local,
             gradient.reshape(-1),
             work.storage,
         )
