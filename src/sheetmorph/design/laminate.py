@@ -193,6 +193,19 @@ def mean_edge_length(design: Design, mesh: SheetMesh) -> float:
     return mesh.mean_edge_length if given is None else given
 
 
+def force_scale(design: Design, mesh: SheetMesh, regions: Regions) -> float:
+    """A moment that bends the stiffest part of the sheet by 1 rad, over an edge length [N].
+
+    It is made of the largest flexural rigidity; in the published model, of the largest k_b.
+    """
+    if design.laminate:
+        largest = max(cell.stack.flexural_rigidity for cell in regions.cells)
+    else:
+        stiffness = published_stiffness(design, mesh, regions)
+        largest = float(stiffness.bending.max(initial=0.0))
+    return largest / mesh.mean_edge_length
+
+
 def published_stiffness(design: Design, mesh: SheetMesh, regions: Regions) -> PublishedStiffness:
     """Stiffness of edges and hinges by region; a hinge takes the region of its edge."""
     l0, options = mean_edge_length(design, mesh), design.published

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from sheetmorph.design.actuation import edge_eigenstrain, thermal_strain
-from sheetmorph.design.laminate import published_stiffness
+from sheetmorph.design.laminate import force_scale
 from sheetmorph.design.loads import gravity_forces
 from sheetmorph.design.regions import Regions
 from sheetmorph.design.spec import Design
@@ -41,15 +41,11 @@ class Scales:
     def of(cls, design: Design, mesh: SheetMesh, region: Regions) -> Scales:
         """Those of a design."""
         weights = gravity_forces(design, mesh, region)
-        if design.laminate:
-            rigid = max(cell.stack.flexural_rigidity for cell in region.cells)
-        else:
-            rigid = float(published_stiffness(design, mesh, region).bending.max(initial=0.0))
         least = 0.0
         if design.contact.self_contact:
             least = float(thermal_strain(design, mesh, region).min())
         weight = float(np.linalg.norm(weights.sum(axis=0)))
-        return cls(weight, rigid / mesh.mean_edge_length, least)
+        return cls(weight, force_scale(design, mesh, region), least)
 
 
 @dataclass(frozen=True, eq=False)

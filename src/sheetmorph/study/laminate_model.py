@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sheetmorph.design.actuation import triangle_eigenstrain
-from sheetmorph.design.laminate import LayerStack
+from sheetmorph.design.laminate import LayerStack, force_scale
 from sheetmorph.design.regions import Regions
 from sheetmorph.design.sections import EVERYWHERE
 from sheetmorph.design.spec import Design
@@ -74,7 +74,6 @@ def laminate_parts(design: Design, mesh: SheetMesh, region: Regions) -> ModelPar
         InputError: as for `laminate_shell`.
     """
     shell = laminate_shell(design, mesh, region)
-    rigidity = max(cell.stack.flexural_rigidity for cell in region.cells)
     membrane = max(cell.stack.membrane_stiffness for cell in region.cells)
     stiff = np.array([cell.stack.membrane_stiffness for cell in region.cells])
     natural = shell.at(1.0, 0.0).rest.natural
@@ -84,7 +83,7 @@ def laminate_parts(design: Design, mesh: SheetMesh, region: Regions) -> ModelPar
     return ModelParts(
         terms=(shell, guard, FoldGuard.of(mesh, _hinge_stiffness(shell, mesh))),
         held_scalars=shell.patch.held,
-        force_scale=rigidity / mesh.mean_edge_length,
+        force_scale=force_scale(design, mesh, region),
         stretch_force=membrane * float(mesh.edge_lengths.max()),
         natural_lean=_natural_lean(natural),
     )

@@ -22,8 +22,8 @@ class ModelParts:
     Attributes:
         terms: its terms.
         held_scalars: True at the scalar unknowns that keep their value, shape (S,).
-        force_scale: a moment that bends the stiffest part by 1 rad over an edge length [N]:
-            the measure of what residual force is small.
+        force_scale: see `sheetmorph.design.laminate.force_scale` [N]: the measure of what residual
+            force is small.
         stretch_force: largest force with which an edge resists a strain of 1 [N].
         stretch_stiffness: K of every edge [J], shape (E,); empty where edges have none.
         bending_stiffness: k_b of every hinge [J], shape (H,); empty where hinges have none.

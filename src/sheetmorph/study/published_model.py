@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from sheetmorph.design.laminate import published_stiffness
+from sheetmorph.design.laminate import force_scale, published_stiffness
 from sheetmorph.design.meshing import hinge_coupling
 from sheetmorph.design.regions import Regions
 from sheetmorph.design.spec import Design
@@ -41,7 +41,7 @@ def published_parts(
     return ModelParts(
         terms=terms,
         held_scalars=np.zeros(0, dtype=np.bool_),
-        force_scale=float(stiffness.bending.max(initial=0.0)) / mesh.mean_edge_length,
+        force_scale=force_scale(design, mesh, region),
         stretch_force=float((stiffness.stretch / mesh.edge_lengths).max()),
         stretch_stiffness=stiffness.stretch,
         bending_stiffness=stiffness.bending,
