@@ -73,10 +73,10 @@ def test_reports_are_replaced_by_force_alone(page: Path, tmp_path: Path) -> None
     check_paper_folder(page.parent, force=True)
     check_paper_folder(tmp_path / "new")
     (tmp_path / "paper.html").write_text("my own")
-    with pytest.raises(InputError, match="not written by this command"):
+    with pytest.raises(InputError, match="no report wrote it"):
         check_paper_folder(tmp_path, force=True)
     (tmp_path / "paper.json").write_text("[" * 100_000)
-    with pytest.raises(InputError, match="not written by this command"):
+    with pytest.raises(InputError, match="no report wrote it"):
         check_paper_folder(tmp_path, force=True)
     with pytest.raises(InputError, match="is a file"):
         check_paper_folder(tmp_path / "paper.html")

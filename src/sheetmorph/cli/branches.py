@@ -8,8 +8,14 @@ from typing import TYPE_CHECKING
 
 import click
 
-from sheetmorph.cli.shared import ProgressBar, design_file, load_design, naming, set_values
-from sheetmorph.core.errors import InputError
+from sheetmorph.cli.shared import (
+    at_work,
+    design_file,
+    load_design,
+    naming,
+    output_folder,
+    set_values,
+)
 
 if TYPE_CHECKING:
     from sheetmorph.branches.result import Branches
@@ -17,7 +23,7 @@ if TYPE_CHECKING:
 
 @click.command()
 @design_file
-@click.option("-o", "--output", metavar="DIR", help="Folder. Default: results/NAME-branches.")
+@output_folder("Folder. Default: results/NAME-branches.", "results/bowl-branches")
 @set_values
 @click.option(
     "--modes",
@@ -48,7 +54,7 @@ if TYPE_CHECKING:
 @click.option("--json", "as_json", is_flag=True, help="Print branches.json, nothing else.")
 def branches(
     file: Path,
-    output: str | None,
+    output: Path | None,
     overrides: tuple[str, ...],
     modes: int,
     no_sectors: bool,
@@ -72,13 +78,11 @@ def branches(
       sheetmorph branches bowl.toml --random 20 --seed 100 -o bowl-shapes
     """
     design = load_design(file, overrides)
-    if output is not None and not output.strip():
-        raise InputError("-o wants a folder, such as results/bowl-branches", value=output)
-    folder = Path(output) if output is not None else Path("results") / f"{file.stem}-branches"
+    folder = output or Path("results") / f"{file.stem}-branches"
     from sheetmorph.show.branches import check_folder
 
     check_folder(folder, force, [file])
-    with ProgressBar(quiet or as_json) as listener, naming(file):
+    with at_work(folder, quiet or as_json) as listener, naming(file):
         from sheetmorph.branches.barriers import with_barriers
         from sheetmorph.branches.search import SearchOptions, find_branches
         from sheetmorph.core.events import Progress, Started

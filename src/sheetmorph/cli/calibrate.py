@@ -14,6 +14,7 @@ from sheetmorph.cli.shared import (
     design_file,
     load_design,
     naming,
+    output_folder,
     set_values,
 )
 from sheetmorph.core.errors import InputError
@@ -52,7 +53,7 @@ MOST_WORKERS = 8
     type=click.Path(path_type=Path),
     help="Measured h/d against actuation, eps_pre or time. May be repeated.",
 )
-@click.option("-o", "--output", metavar="DIR", help="Folder for the fit. Default: calibrate/NAME.")
+@output_folder("Folder for the fit. Default: calibrate/NAME.", "calibrate/petals")
 @set_values
 @click.option("--unit", metavar="UNIT", help="Unit of the scans, such as mm; else it is fitted.")
 @click.option(
@@ -84,7 +85,7 @@ def calibrate(
     fits: tuple[str, ...],
     scans: tuple[Path, ...],
     curves: tuple[Path, ...],
-    output: str | None,
+    output: Path | None,
     overrides: tuple[str, ...],
     unit: str | None,
     face: str,
@@ -120,9 +121,7 @@ def calibrate(
     from sheetmorph.show.calibration_folder import NUMBERS, calibrate_into, check_folder
 
     design = load_design(file, overrides)
-    if output is not None and not output.strip():
-        raise InputError("-o wants a folder, such as calibrate/petals", value=output)
-    folder = Path(output) if output is not None else Path("calibrate") / file.stem
+    folder = output or Path("calibrate") / file.stem
     with by_their_options(_OPTIONS):
         options = CalibrateOptions(
             starts=starts,

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from sheetmorph.cli.shared import ProgressBar, by_their_options
+from sheetmorph.cli.shared import at_work, by_their_options, output_folder
 from sheetmorph.core.errors import InputError
 
 if TYPE_CHECKING:
@@ -28,9 +28,7 @@ _NUMBER = r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d{1,3})?"
 @click.command()
 @click.argument("result", type=click.Path(path_type=Path))
 @click.argument("scan", type=click.Path(path_type=Path))
-@click.option(
-    "-o", "--output", metavar="DIR", help="Folder for the comparison. Default: SCAN-comparison."
-)
+@output_folder("Folder for the comparison. Default: SCAN-comparison.", "petals-scan")
 @click.option("--unit", metavar="UNIT", help="Unit of SCAN, such as mm; else its size is fitted.")
 @click.option("--scale", metavar="NUMBER", help="Length of one unit of SCAN in metres.")
 @click.option(
@@ -61,7 +59,7 @@ _NUMBER = r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d{1,3})?"
 def compare(
     result: Path,
     scan: Path,
-    output: str | None,
+    output: Path | None,
     unit: str | None,
     scale: str | None,
     known_length: str | None,
@@ -103,12 +101,12 @@ def compare(
     box = _box(crop) if crop is not None else None
     with by_their_options(_OPTIONS):
         options = _options(length, face, mirror, box, no_crop or is_run(scan), grid, window)
-    folder = _folder(output, scan)
+    folder = output or Path(f"{scan.stem or scan.resolve().name}-comparison")
     check_folder(folder, force, [path for path in (result, scan) if path.is_file()])
     for path in (result, scan):
         if not path.exists():
             raise InputError("there is no such file or folder", file=path)
-    with ProgressBar(quiet or as_json) as listener, _renderer(not no_pictures) as worker:
+    with at_work(folder, quiet or as_json) as listener, _renderer(not no_pictures) as worker:
         from sheetmorph.core.events import Progress, Started
 
         listener(Started(f"{result.name} and {scan.name}"))
@@ -217,14 +215,6 @@ def _options(
     return CompareOptions(
         scale=scale, face=face, mirror=mirror, crop=crop, grid=grid, window=window
     )
-
-
-def _folder(output: str | None, scan: Path) -> Path:
-    if output is None:
-        return Path(f"{scan.stem or scan.resolve().name}-comparison")
-    if not output.strip():
-        raise InputError("-o wants a folder, such as petals-scan", value=output)
-    return Path(output)
 
 
 def _length_of_unit(unit: str | None, scale: str | None, known: str | None) -> float | None:

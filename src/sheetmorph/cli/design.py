@@ -12,6 +12,7 @@ import click
 from sheetmorph.cli.shared import (
     ProgressBar,
     by_their_options,
+    output_folder,
     read_length,
     read_values,
     set_values,
@@ -37,7 +38,7 @@ MOST_WORKERS = 8
     metavar="NAME",
     help=f"Of designs: {', '.join(FAMILIES)}. May be repeated; the best wins. [star]",
 )
-@click.option("-o", "--output", metavar="DIR", help="Folder. Default: designs/TARGET-FAMILY.")
+@output_folder("Folder. Default: designs/TARGET-FAMILY.", "designs/bowl")
 @click.option("--unit", metavar="UNIT", help="Of a target file's lengths. Default: mm.")
 @click.option("--size", metavar="LENGTH", help='Largest width of the target, such as "80 mm".')
 @click.option("--sheet", metavar="LENGTH", help="Size of the sheet; the target is then scaled.")
@@ -74,7 +75,7 @@ MOST_WORKERS = 8
 def design(
     target: str,
     families: tuple[str, ...],
-    output: str | None,
+    output: Path | None,
     unit: str | None,
     size: str | None,
     sheet: str | None,
@@ -119,8 +120,6 @@ def design(
     from sheetmorph.inverse.limits import Limits
     from sheetmorph.show.inverse import DATA, check_folder, design_into
 
-    if output is not None and not output.strip():
-        raise InputError("-o wants a folder, such as designs/bowl", value=output)
     if scheduler is not None and workers is not None:
         raise InputError("--workers and --scheduler exclude each other")
     wanted = _target(target, unit, size)
@@ -147,7 +146,7 @@ def design(
             seed=seed,
         )
     name = f"{wanted.name}-{'-'.join(options.families)}"
-    folder = Path(output) if output is not None else Path("designs") / name
+    folder = output or Path("designs") / name
     check_folder(folder, resume=resume, force=force)
     silent = quiet or as_json
     with ProgressBar(silent) as listener:

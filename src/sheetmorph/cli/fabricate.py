@@ -11,10 +11,11 @@ from typing import TYPE_CHECKING
 import click
 
 from sheetmorph.cli.shared import (
-    ProgressBar,
+    at_work,
     design_file,
     load_design,
     naming,
+    output_folder,
     read_length,
     set_values,
 )
@@ -33,9 +34,7 @@ PAPERS = ("a4", "letter")
 
 @click.command()
 @design_file
-@click.option(
-    "-o", "--output", metavar="DIR", help="Folder for the files. Default: fabricate/NAME."
-)
+@output_folder("Folder for the files. Default: fabricate/NAME.", "parts")
 @set_values
 @click.option(
     "--printer",
@@ -62,7 +61,7 @@ PAPERS = ("a4", "letter")
 @click.option("--json", "as_json", is_flag=True, help="Print what was written as JSON.")
 def fabricate(
     file: Path,
-    output: str | None,
+    output: Path | None,
     overrides: tuple[str, ...],
     printer: str,
     nozzle: str | None,
@@ -99,9 +98,7 @@ def fabricate(
     if no_prediction and result_folder is not None:
         raise InputError("--result and --no-prediction exclude each other; keep one of them")
     design = load_design(file, overrides)
-    if output is not None and not output.strip():
-        raise InputError("-o wants a folder, such as parts", value=output)
-    folder = Path(output) if output is not None else Path("fabricate") / file.stem
+    folder = output or Path("fabricate") / file.stem
     bed_width, bed_depth = _pair(bed, "--bed")
     stock_width, stock_height = _pair(stock, "--stock")
     with _by_their_options():
@@ -124,7 +121,7 @@ def fabricate(
     check_folder(folder, force)
     with naming(file):
         levels_of(design)  # what cannot be made is refused before it is computed
-    with ProgressBar(quiet or as_json) as listener, naming(file), _by_their_options():
+    with at_work(folder, quiet or as_json) as listener, naming(file), _by_their_options():
         prediction = None if no_prediction else _predicted(design, result_folder, listener)
         package = fabricate_design(
             design, folder, options=options, prediction=prediction, force=force, on_event=listener

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from sheetmorph.cli.film_options import film_options, quantity
-from sheetmorph.cli.shared import ProgressBar
+from sheetmorph.cli.shared import ProgressBar, output_folder
 from sheetmorph.core.errors import InputError
 
 if TYPE_CHECKING:
@@ -35,9 +35,7 @@ PLOT, RUNS, MEANS = "history.png", "history.csv", "films.csv"
     metavar="FILE",
     help="A video, a folder of pictures, or a table that this command wrote. May be repeated.",
 )
-@click.option(
-    "-o", "--output", metavar="DIR", default="history", show_default=True, help="Folder to write."
-)
+@output_folder("Folder to write.", "history", default="history")
 @click.option(
     "--width",
     type=click.Choice(WIDTHS),
@@ -117,7 +115,7 @@ PLOT, RUNS, MEANS = "history.png", "history.csv", "films.csv"
 def history(
     runs: tuple[Path, ...],
     films: tuple[Path, ...],
-    output: str,
+    output: Path,
     force: bool,
     quiet: bool,
     mask_pictures: bool,
@@ -145,9 +143,7 @@ def history(
 
     if not runs and not films:
         raise InputError("name a RUN, or a film with --film")
-    if not output.strip():
-        raise InputError("-o wants a folder, such as history", value=output)
-    folder = Path(output)
+    folder = output
     _check_folder(folder, films, force)
     interval = quantity(given["interval"], "time", "--interval")
     if interval <= 0.0:

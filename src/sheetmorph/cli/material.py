@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from sheetmorph.cli.material_text import tell_cantilever, tell_shrink
+from sheetmorph.cli.shared import output_folder
 from sheetmorph.core.errors import InputError
 
 if TYPE_CHECKING:
@@ -16,9 +17,7 @@ if TYPE_CHECKING:
     from sheetmorph.design.shrink_fit import ShrinkFit
 
 rows_file = click.argument("file", type=click.Path(path_type=Path))
-output_folder = click.option(
-    "-o", "--output", metavar="DIR", help="Folder for the files. Default: material/NAME."
-)
+to_folder = output_folder("Folder for the files. Default: material/NAME.", "material/film")
 force_files = click.option("--force", is_flag=True, help="Replace the files that it wrote there.")
 quietly = click.option("-q", "--quiet", is_flag=True, help="Print nothing but errors.")
 print_json = click.option("--json", "as_json", is_flag=True, help="Print the numbers as JSON.")
@@ -102,13 +101,13 @@ def show_material(name: str, as_json: bool) -> None:
 
 @material.command()
 @rows_file
-@output_folder
+@to_folder
 @click.option("--tg", metavar="TEMPERATURE", help='Glass temperature, such as "366.5 K".')
 @force_files
 @quietly
 @print_json
 def shrink(
-    file: Path, output: str | None, tg: str | None, force: bool, quiet: bool, as_json: bool
+    file: Path, output: Path | None, tg: str | None, force: bool, quiet: bool, as_json: bool
 ) -> None:
     """Fit a monotone shrink curve to the measured rows of the CSV FILE.
 
@@ -128,7 +127,7 @@ def shrink(
         write_shrink_files,
     )
 
-    folder = _folder(output, file)
+    folder = output or Path("material") / file.stem
     check_place(folder, SHRINK_FILES, force, file)
     fit = _fitted(file, _temperature(tg))
     write_shrink_files(fit, folder)
@@ -140,7 +139,7 @@ def shrink(
 
 @material.command()
 @rows_file
-@output_folder
+@to_folder
 @click.option(
     "--large-deflection",
     is_flag=True,
@@ -151,7 +150,7 @@ def shrink(
 @print_json
 def cantilever(
     file: Path,
-    output: str | None,
+    output: Path | None,
     large_deflection: bool,
     force: bool,
     quiet: bool,
@@ -177,7 +176,7 @@ def cantilever(
         write_cantilever_files,
     )
 
-    folder = _folder(output, file)
+    folder = output or Path("material") / file.stem
     check_place(folder, CANTILEVER_FILES, force, file)
     result = evaluate_cantilever(read_cantilever(file), large_deflection=large_deflection)
     write_cantilever_files(result, folder)
@@ -185,12 +184,6 @@ def cantilever(
         click.echo(json.dumps(cantilever_numbers(result), indent=2, ensure_ascii=False))
     elif not quiet:
         tell_cantilever(result, folder)
-
-
-def _folder(output: str | None, file: Path) -> Path:
-    if output is not None and not output.strip():
-        raise InputError("-o wants a folder, such as material/film", value=output)
-    return Path(output) if output is not None else Path("material") / file.stem
 
 
 def _temperature(text: str | None) -> float | None:

@@ -7,21 +7,13 @@ from time import perf_counter
 
 import click
 
-from sheetmorph.cli.shared import ProgressBar
-from sheetmorph.core.errors import InputError
+from sheetmorph.cli.shared import at_work, output_folder
 
 STARTED = perf_counter()
 
 
 @click.command()
-@click.option(
-    "-o",
-    "--output",
-    metavar="DIR",
-    default="paper-report",
-    show_default=True,
-    help="Folder for the report.",
-)
+@output_folder("Folder for the report.", "paper-report", default="paper-report")
 @click.option(
     "--only",
     multiple=True,
@@ -34,7 +26,7 @@ STARTED = perf_counter()
 @click.option("--force", is_flag=True, help="Replace the report that is in the folder.")
 @click.option("-q", "--quiet", is_flag=True, help="Print nothing but errors.")
 def paper(
-    output: str,
+    output: Path,
     only: tuple[str, ...],
     reference: str | None,
     scan: str | None,
@@ -58,12 +50,10 @@ def paper(
     from sheetmorph.show.paper import check_paper_folder, write_paper
     from sheetmorph.show.render import RenderWorker
 
-    if not output.strip():
-        raise InputError("-o wants a folder, such as paper-report", value=output)
     chosen_sections(only)
     setting = find_setting(reference, scan)
     check_paper_folder(output, force)
-    with ProgressBar(quiet) as listener, RenderWorker.start() as worker:
+    with at_work(output, quiet) as listener, RenderWorker.start() as worker:
         try:
             done = redo_paper(setting, only=only, workers=workers, on_event=listener)
         except KeyboardInterrupt:

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 import click
 
+from sheetmorph.cli.shared import output_folder
 from sheetmorph.core.errors import InputError
 
 if TYPE_CHECKING:
@@ -22,7 +23,7 @@ FOLDER = "plots"
 @click.argument("x", required=False)
 @click.argument("y", required=False)
 @click.argument("colour", required=False)
-@click.option("-o", "--output", metavar="DIR", help="Folder to write. Default: SWEEP/plots.")
+@output_folder("Folder to write. Default: SWEEP/plots.", "sweeps/stars/plots")
 @click.option(
     "--shapes", type=int, default=24, show_default=True, help="Shapes on the contact sheet."
 )
@@ -42,7 +43,7 @@ def plot(
     x: str | None,
     y: str | None,
     colour: str | None,
-    output: str | None,
+    output: Path | None,
     shapes: int,
     by: str | None,
     columns: tuple[str, ...],
@@ -73,7 +74,7 @@ def plot(
         return
     if x is not None and y is None:
         raise InputError("name two columns, for x and for y; --columns lists them", value=x)
-    place = sweep / FOLDER if output is None else Path(output)
+    place = output or sweep / FOLDER
     if x is not None and y is not None:
         names = [_scatter_name(x, y, colour)]
     else:

@@ -6,12 +6,12 @@ from pathlib import Path
 
 import click
 
-from sheetmorph.cli.shared import ProgressBar
+from sheetmorph.cli.shared import at_work
 from sheetmorph.core.errors import ComputationError, InputError
 
 
 def remake_proofs(
-    output: str | None, only: tuple[str, ...], reference: str | None, force: bool, quiet: bool
+    output: Path | None, only: tuple[str, ...], reference: str | None, force: bool, quiet: bool
 ) -> None:
     """Do the proofs and write their page.
 
@@ -22,9 +22,7 @@ def remake_proofs(
     from sheetmorph.proofs.prove import Outcome, chosen_proofs, prove_all
     from sheetmorph.show.proofs import check_proofs_folder, write_proofs
 
-    if output is not None and not output.strip():
-        raise InputError("-o wants a folder, such as proofs", value=output)
-    folder = Path(output) if output is not None else Path("proofs")
+    folder = output or Path("proofs")
     place = None if reference is None else Path(reference)
     if place is not None and not place.is_dir():
         raise InputError("is not a folder", key="--reference", value=reference)
@@ -41,7 +39,7 @@ def remake_proofs(
             f"  {word:8}  {outcome.name}: {good} of {len(checks)} checks, {outcome.seconds:.1f} s"
         )
 
-    with ProgressBar(quiet) as listener:
+    with at_work(folder, quiet) as listener:
         try:
             outcomes = prove_all(only, place, on_event=listener)
         except KeyboardInterrupt:

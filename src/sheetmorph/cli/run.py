@@ -9,20 +9,22 @@ from typing import Any
 
 import click
 
-from sheetmorph.cli.shared import ProgressBar, design_file, load_design, naming, set_values
-from sheetmorph.core.errors import InputError, SheetmorphError
+from sheetmorph.cli.shared import (
+    ProgressBar,
+    design_file,
+    load_design,
+    naming,
+    output_folder,
+    set_values,
+)
+from sheetmorph.core.errors import SheetmorphError
 
 STARTED = perf_counter()
 
 
 @click.command()
 @design_file
-@click.option(
-    "-o",
-    "--output",
-    metavar="DIR",
-    help="Folder for the results. Default: results/NAME.",
-)
+@output_folder("Folder for the results. Default: results/NAME.", "results/bowl")
 @set_values
 @click.option("--resume", is_flag=True, help="Go on with a run that was cut off in this folder.")
 @click.option("--force", is_flag=True, help="Replace the results that are in the folder.")
@@ -37,7 +39,7 @@ STARTED = perf_counter()
 @click.option("--json", "as_json", is_flag=True, help="Print the summary as JSON, nothing else.")
 def run(
     file: Path,
-    output: str | None,
+    output: Path | None,
     overrides: tuple[str, ...],
     resume: bool,
     force: bool,
@@ -58,9 +60,7 @@ def run(
       sheetmorph run bowl.toml -o results/bowl --resume
     """
     design = load_design(file, overrides)
-    if output is not None and not output.strip():
-        raise InputError("-o wants a folder, such as results/bowl", value=output)
-    folder = Path(output) if output is not None else Path("results") / file.stem
+    folder = output or Path("results") / file.stem
     silent = quiet or as_json
     with ProgressBar(silent) as listener, naming(file):
         from sheetmorph.show.outputs import run_design

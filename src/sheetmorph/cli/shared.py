@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -24,6 +24,32 @@ set_values = click.option(
     metavar="KEY=VALUE",
     help="Override a key of the design, such as actuation.eps_pre=-0.3. May be repeated.",
 )
+
+
+def output_folder(
+    text: str, example: str, default: str | None = None
+) -> Callable[[Callable[..., Any]], Callable[..., Any]]:
+    """The option -o of a command, a path; None where it is neither given nor has a default.
+
+    Args:
+        text: the help of the option.
+        example: a folder, for the error about one without a name.
+        default: the folder where none is given.
+    """
+
+    def as_path(_context: object, _option: object, given: str | None) -> Path | None:
+        if given is not None and not given.strip():
+            raise InputError(f"-o wants a folder, such as {example}", value=given)
+        return None if given is None else Path(given)
+
+    return click.option(
+        *("-o", "--output"),
+        metavar="DIR",
+        help=text,
+        default=default,
+        show_default=default is not None,
+        callback=as_path,
+    )
 
 
 def load_design(file: Path, overrides: tuple[str, ...]) -> Design:
@@ -112,6 +138,19 @@ class ProgressBar:
             self._bar.update(self._task, title=event.title)
         elif isinstance(event, Progress):
             self._bar.update(self._task, completed=event.fraction, description=event.text)
+
+
+@contextmanager
+def at_work(folder: Path, silent: bool) -> Iterator[Listener]:
+    """The progress of a job, which has its folder to itself meanwhile.
+
+    Raises:
+        InputError, OutputError: see `sheetmorph.core.locks.sole_user`.
+    """
+    from sheetmorph.core.locks import sole_user
+
+    with sole_user(folder), ProgressBar(silent) as listener:
+        yield listener
 
 
 @contextmanager

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from sheetmorph.cli.shared import ProgressBar, read_values, set_values
+from sheetmorph.cli.shared import ProgressBar, output_folder, read_values, set_values
 from sheetmorph.core.errors import InputError
 
 if TYPE_CHECKING:
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 @click.command()
 @click.argument("file", type=click.Path(path_type=Path))
-@click.option("-o", "--output", metavar="DIR", help="Folder for the results. Default: sweeps/NAME.")
+@output_folder("Folder for the results. Default: sweeps/NAME.", "sweeps/stars")
 @set_values
 @click.option("--workers", type=int, help="Processes, one thread each. Default: the processors.")
 @click.option(
@@ -34,7 +34,7 @@ if TYPE_CHECKING:
 @click.option("--json", "as_json", is_flag=True, help="Print how it went as JSON, nothing else.")
 def sweep(
     file: Path,
-    output: str | None,
+    output: Path | None,
     overrides: tuple[str, ...],
     workers: int | None,
     scheduler: str | None,
@@ -58,12 +58,10 @@ def sweep(
     from sheetmorph.sweep.plan import Plan
     from sheetmorph.sweep.run import run_sweep
 
-    if output is not None and not output.strip():
-        raise InputError("-o wants a folder, such as sweeps/stars", value=output)
     if scheduler is not None and workers is not None:
         raise InputError("--workers and --scheduler exclude each other")
     plan = Plan.load(file, read_values(overrides))
-    folder = Path(output) if output is not None else Path("sweeps") / file.stem
+    folder = output or Path("sweeps") / file.stem
     silent = quiet or as_json
     with ProgressBar(silent) as listener:
         tally = run_sweep(

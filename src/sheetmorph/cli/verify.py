@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from sheetmorph.cli.shared import ProgressBar, load_design, naming, set_values
+from sheetmorph.cli.shared import at_work, load_design, naming, output_folder, set_values
 from sheetmorph.core.errors import InputError
 
 if TYPE_CHECKING:
@@ -33,9 +33,7 @@ SOLVED, COMPARED = 0.85, 0.93
     type=click.Choice(PROGRAMS),
     help="Program for the twin: calculix is run if it is installed, abaqus gets its deck.",
 )
-@click.option(
-    "-o", "--output", metavar="DIR", help="Folder. Default: NAME-twin, or proofs without a DESIGN."
-)
+@output_folder("Folder. Default: NAME-twin, or proofs without a DESIGN.", "strip-twin")
 @set_values
 @click.option(
     "--law",
@@ -71,7 +69,7 @@ SOLVED, COMPARED = 0.85, 0.93
 def verify(
     file: Path | None,
     program: str | None,
-    output: str | None,
+    output: Path | None,
     overrides: tuple[str, ...],
     law: Any,
     steps: int,
@@ -115,10 +113,8 @@ def verify(
         raise InputError(
             "say which program computes the twin", key="--fe", allowed=" or ".join(PROGRAMS)
         )
-    if output is not None and not output.strip():
-        raise InputError("-o wants a folder, such as strip-twin", value=output)
     design = load_design(file, overrides)
-    folder = Path(output) if output is not None else Path(f"{file.stem}-twin")
+    folder = output or Path(f"{file.stem}-twin")
     with naming(file):
         if program == "abaqus":
             _abaqus(design, folder, force, quiet)
@@ -150,7 +146,7 @@ def _calculix(
     find_program()
     check_folder(folder, force)
     options = TwinOptions(DeckOptions(law, steps), limit, threads)
-    with ProgressBar(quiet or as_json) as listener, _renderer(pictures) as worker:
+    with at_work(folder, quiet or as_json) as listener, _renderer(pictures) as worker:
         from sheetmorph.core.events import Progress
         from sheetmorph.twin.agreement import agree
         from sheetmorph.twin.solve import solve_twin

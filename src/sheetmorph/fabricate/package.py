@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING
 from sheetmorph.core.errors import InputError, OutputError
 from sheetmorph.core.events import Listener, Notice, Progress, Started, silent
 from sheetmorph.core.files import write_bytes, write_text
+from sheetmorph.core.locks import FILE as LOCK
 from sheetmorph.fabricate.contents import make_contents
 from sheetmorph.fabricate.options import FabricationOptions, Prediction
 
@@ -114,7 +115,7 @@ def _written_before(place: Path, force: bool) -> tuple[str, ...]:
         raise InputError("this is a file; choose another folder with -o", file=place)
     manifest = place / MANIFEST
     if not manifest.is_file():
-        if any(place.iterdir()):
+        if any(file.name != LOCK for file in place.iterdir()):
             raise InputError(
                 "this folder holds files that were not written by this command; choose another "
                 "with -o",

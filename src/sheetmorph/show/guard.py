@@ -2,12 +2,17 @@
 
 from __future__ import annotations
 
+import json
 import os
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from pathlib import Path
 
 from sheetmorph.core.errors import InputError, OutputError
+from sheetmorph.core.strangers import read_bytes
+
+LARGEST_NUMBERS = 20_000_000
+"""Most bytes of a file of numbers that tells whose a folder is."""
 
 
 @dataclass(frozen=True)
@@ -21,6 +26,15 @@ class Written:
 
     files: tuple[Path, ...]
     notes: tuple[str, ...]
+
+
+def wrote(marker: Path, form: str) -> bool:
+    """Is this a file of numbers, JSON, with `form` as its "format"?"""
+    try:
+        numbers = json.loads(read_bytes(marker, LARGEST_NUMBERS))
+    except (InputError, OSError, ValueError, RecursionError):
+        return False
+    return isinstance(numbers, dict) and numbers.get("format") == form
 
 
 def check_folder(

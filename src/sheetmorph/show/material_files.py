@@ -26,7 +26,6 @@ _FORMATS = {
     "cantilever.json": "sheetmorph cantilever test",
 }
 _KINDS = {"shrink.json": "shrink curve", "cantilever.json": "cantilever test"}
-_MAX_MARKER = 20_000_000
 
 
 def shrink_numbers(fit: ShrinkFit) -> dict[str, Any]:
@@ -103,7 +102,7 @@ def check_place(folder: Path, names: tuple[str, ...], force: bool, source: Path)
         folder,
         names,
         _KINDS[names[0]],
-        ours=lambda _file: _is_ours(folder / names[0]),
+        ours=lambda _file: guard.wrote(folder / names[0], _FORMATS[names[0]]),
         force=force,
         inputs=[source],
     )
@@ -174,16 +173,6 @@ def _write(
     write_text(text, table)
     picture(image)
     return marker, text, image
-
-
-def _is_ours(marker: Path) -> bool:
-    try:
-        if marker.stat().st_size > _MAX_MARKER:
-            return False
-        content = json.loads(marker.read_text(encoding="utf-8"))
-    except (OSError, ValueError, RecursionError):
-        return False
-    return isinstance(content, dict) and content.get("format") == _FORMATS[marker.name]
 
 
 def _summary(summary: Summary) -> dict[str, float | int]:

@@ -9,12 +9,11 @@ from tempfile import TemporaryDirectory
 from time import perf_counter
 from typing import Any
 
-from sheetmorph.core.errors import InputError
 from sheetmorph.core.events import Listener, Progress, silent
 from sheetmorph.core.files import write_text
 from sheetmorph.paper.redo import Chapter, Paper
 from sheetmorph.paper.rows import Row, Table, Value
-from sheetmorph.show import style
+from sheetmorph.show import guard, style
 from sheetmorph.show.citations import references
 from sheetmorph.show.page import rendered
 from sheetmorph.show.paper_figures import draw_figure
@@ -23,7 +22,6 @@ from sheetmorph.show.render import RenderWorker
 PAGE, NUMBERS = "paper.html", "paper.json"
 FORMAT = "sheetmorph paper"
 
-_LARGEST_NUMBERS = 20_000_000
 _KINDS = {
     "agrees": "agrees",
     "agrees in part": "part",
@@ -37,36 +35,16 @@ def check_paper_folder(folder: str | Path, force: bool = False) -> None:
     """Refuse a folder into which the report cannot be written, before anything is computed.
 
     Raises:
-        InputError: it is a file, or holds a report and `force` is not set, or holds a
-            paper.html or paper.json that no report of ours lists.
+        InputError, OutputError: see `guard.check_folder`.
     """
     place = Path(folder)
-    if place.exists() and not place.is_dir():
-        raise InputError("this is a file; choose another folder with -o", file=place)
-    present = [place / name for name in (PAGE, NUMBERS) if (place / name).exists()]
-    if not present:
-        return
-    if not _is_ours(place / NUMBERS):
-        raise InputError(
-            "this file was not written by this command; move it away, or choose another folder "
-            "with -o",
-            file=present[0],
-        )
-    if not force:
-        raise InputError(
-            "this folder holds a report; add --force to replace it, or choose another with -o",
-            file=place,
-        )
-
-
-def _is_ours(path: Path) -> bool:
-    try:
-        if path.stat().st_size > _LARGEST_NUMBERS:
-            return False
-        content = json.loads(path.read_text(encoding="utf-8"))
-    except (OSError, ValueError, RecursionError):
-        return False
-    return isinstance(content, dict) and content.get("format") == FORMAT
+    guard.check_folder(
+        place,
+        (PAGE, NUMBERS),
+        "report",
+        ours=lambda _file: guard.wrote(place / NUMBERS, FORMAT),
+        force=force,
+    )
 
 
 def write_paper(
