@@ -7,6 +7,7 @@ from pathlib import Path
 import pytest
 from many import STARS, written
 from scipy.stats import qmc
+from small import SMALL
 
 import sheetmorph as sm
 from sheetmorph.design.families import random_kirigami
@@ -103,6 +104,7 @@ def test_quoted_keys_and_set_values(tmp_path: Path) -> None:
     ("text", "words"),
     [
         ("", ["nothing varies"]),
+        (SMALL, ["this is a design", 'design = "stars.toml"']),
         ("[grid]\na.b = [1]", ["design", "family"]),
         ('design = "small.toml"', ["nothing varies"]),
         ('design = "../small.toml"\n[grid]\na.b = [1]', ["leads out"]),

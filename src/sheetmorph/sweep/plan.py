@@ -193,6 +193,11 @@ class Plan:
 
 
 def _read(data: Mapping[str, Any], text: str, file: Path, fixed: dict[str, object]) -> Plan:
+    if not {"design", "family"} & data.keys() and {"layers", "actuation"} & data.keys():
+        raise InputError(
+            f"this is a design; a sweep is a file of its own that names it, as in "
+            f'design = "{file.name}", and says which keys vary (see docs/sweeps.md)'
+        )
     _known(data, _TABLES, "")
     states = data.get("states", "final")
     if states not in STATES:
