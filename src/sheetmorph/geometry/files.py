@@ -60,15 +60,9 @@ def read_mesh(path: str | Path, unit: float = 1.0, *, curved: bool = False) -> S
     if not (math.isfinite(unit) and unit > 0.0):
         raise InputError("the length unit must be a positive number", file=file, value=unit)
     ending = strangers.ending_of(file, LOADERS, "mesh format")
-    try:
+    with strangers.reading(file, "the mesh"):
         strangers.check_size(file, MAX_BYTES)
         return LOADERS[ending](file, unit, curved)
-    except InputError as error:
-        raise error.located(file) from error.__cause__
-    except OSError as error:
-        raise InputError(f"cannot be read ({error.strerror or error})", file=file) from error
-    except MemoryError as error:
-        raise InputError("the mesh does not fit into memory", file=file) from error
 
 
 def _read_faces(file: Path, unit: float, curved: bool) -> SheetMesh:

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
 
+from sheetmorph.core.compiled import kernel
 from sheetmorph.geometry.boundary import Curves
 from sheetmorph.geometry.mesh import Floats
 from sheetmorph.geometry.sampling import Sampling
@@ -37,11 +39,9 @@ class Stars:
         np.cumsum(np.bincount(triangles.ravel(), minlength=count), out=start[1:])
         return cls(start, others.T[order])
 
-    def around(self, chosen: Indices) -> Indices:
-        """Other corners around chosen points, shape (n, degree, 2), the last repeated."""
-        degree = self.start[chosen + 1] - self.start[chosen]
-        slot = np.minimum(np.arange(degree.max())[None, :], degree[:, None] - 1)
-        return np.asarray(self.others[self.start[chosen][:, None] + slot])
+    def degree(self, chosen: Indices) -> int:
+        """Most triangles around one of these points."""
+        return int((self.start[chosen + 1] - self.start[chosen]).max())
 
 
 def sharpen(
@@ -80,7 +80,7 @@ def sharpen(
     worst = np.full(len(points), np.pi)
     for turn in range(rounds):
         if len(near):
-            worst[near] = _smallest_angle(points[near][:, None], points[stars.around(near)])[:, 0]
+            worst[near] = _smallest_angle(points, near, points[near][:, None], stars)[:, 0]
         active = near[worst[near] < target]
         chosen = _independent(active, stars, len(points), turn)
         if not len(chosen):
@@ -89,15 +89,15 @@ def sharpen(
         for group, sliding in ((chosen[~on_curve], False), (chosen[on_curve], True)):
             if not len(group):
                 continue
-            around = stars.around(group)
-            scale = np.linalg.norm(points[around[:, :, 0]] - points[group][:, None], axis=2)
-            scale = scale.mean(axis=1)
+            spokes = np.empty((len(group), stars.degree(group)))
+            _write_spokes(points, group, stars.start, stars.others, spokes)
+            scale = spokes.mean(axis=1)
             if sliding:
                 trial_at = _slides(group, stations, scale, curves, sampling)
                 trial = curves.at(trial_at)
             else:
                 trial = points[group][:, None] + scale[:, None, None] * _moves(turn)
-            quality = _smallest_angle(trial, points[around])
+            quality = _smallest_angle(points, group, trial, stars)
             best = quality.argmax(axis=1)
             better = quality.max(axis=1) > worst[group] + 1e-9
             rows = np.flatnonzero(better)
@@ -114,9 +114,9 @@ def _independent(active: Indices, stars: Stars, count: int, turn: int) -> Indice
     rank = np.zeros(count, dtype=np.uint64)
     mixed = (active.astype(np.uint64) + np.uint64(1 + 7919 * turn)) * np.uint64(2654435761)
     rank[active] = (mixed % np.uint64(2**32)) * np.uint64(count) + active.astype(np.uint64) + 1
-    around = stars.around(active)
-    rivals = np.maximum(rank[around[:, :, 0]].max(axis=1), rank[around[:, :, 1]].max(axis=1))
-    return np.asarray(active[rank[active] > rivals])
+    first = np.empty(len(active), dtype=np.bool_)
+    _write_unrivalled(active, rank, stars.start, stars.others, first)
+    return np.asarray(active[first])
 
 
 def _moves(turn: int) -> Floats:
@@ -145,20 +145,53 @@ def _slides(
     return np.asarray(np.clip(trial, low[:, None], high[:, None]))
 
 
-def _smallest_angle(trial: Floats, around: Floats) -> Floats:
+def _smallest_angle(points: Floats, chosen: Indices, trial: Floats, stars: Stars) -> Floats:
     """Smallest angle of the star if its centre were at each trial, shape (n, trials).
 
-    The smallest angle has the largest cotangent, scalar product over cross product: one arc
-    tangent per star is enough. Triangles turned over count as angles of zero.
+    The smallest angle has the largest cotangent: one arc tangent per star is enough.
+    Triangles turned over count as angles of zero.
     """
-    corners = around[:, None]
-    px, py, qx, qy = (corners[..., end, axis] for end in (0, 1) for axis in (0, 1))
-    x, y = trial[:, :, None, 0], trial[:, :, None, 1]
-    ux, uy, vx, vy = px - x, py - y, qx - x, qy - y
-    wx, wy = qx - px, qy - py
-    cross = ux * vy - uy * vx
-    at_trial = ux * vx + uy * vy
-    at_p, at_q = -(ux * wx + uy * wy), vx * wx + vy * wy
-    largest = np.maximum(np.maximum(at_trial, at_p), at_q)
-    cotangent = np.divide(largest, cross, out=np.full_like(cross, np.inf), where=cross > 0.0)
-    return np.asarray(np.arctan2(1.0, cotangent.max(axis=2)))
+    cotangents = np.empty(trial.shape[:2])
+    _write_cotangents(points, chosen, trial, stars.start, stars.others, cotangents)
+    return np.asarray(np.arctan2(1.0, cotangents))
+
+
+@kernel
+def _write_cotangents(points, chosen, trial, start, others, found):  # type: ignore[no-untyped-def]
+    """The largest cotangent, scalar product over cross product, of each star at each trial."""
+    for i in range(len(chosen)):
+        for j in range(trial.shape[1]):
+            x, y = trial[i, j, 0], trial[i, j, 1]
+            worst = -np.inf
+            for row in range(start[chosen[i]], start[chosen[i] + 1]):
+                p, q = others[row, 0], others[row, 1]
+                ux, uy = points[p, 0] - x, points[p, 1] - y
+                vx, vy = points[q, 0] - x, points[q, 1] - y
+                wx, wy = points[q, 0] - points[p, 0], points[q, 1] - points[p, 1]
+                cross = ux * vy - uy * vx
+                largest = max(ux * vx + uy * vy, -(ux * wx + uy * wy), vx * wx + vy * wy)
+                worst = max(worst, largest / cross if cross > 0.0 else np.inf)
+            found[i, j] = worst
+
+
+@kernel
+def _write_spokes(points, chosen, start, others, found):  # type: ignore[no-untyped-def]
+    """Lengths from points to their neighbours, a row each, the last repeated."""
+    for i in range(len(chosen)):
+        first, last = start[chosen[i]], start[chosen[i] + 1] - 1
+        for k in range(found.shape[1]):
+            near = others[min(first + k, last), 0]
+            x = points[near, 0] - points[chosen[i], 0]
+            y = points[near, 1] - points[chosen[i], 1]
+            found[i, k] = math.sqrt(x * x + y * y)
+
+
+@kernel
+def _write_unrivalled(active, rank, start, others, found):  # type: ignore[no-untyped-def]
+    """Which points have a higher rank than all their neighbours."""
+    for i in range(len(active)):
+        found[i] = True
+        for row in range(start[active[i]], start[active[i] + 1]):
+            for end in range(2):
+                if rank[others[row, end]] >= rank[active[i]]:
+                    found[i] = False

@@ -6,9 +6,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.sparse import coo_array
-from scipy.sparse.csgraph import connected_components
 
+from sheetmorph.core.compiled import kernel
 from sheetmorph.core.errors import InputError
 from sheetmorph.geometry.mesh import Floats
 
@@ -65,24 +64,45 @@ def _regions(
     triangles: Indices, neighbours: NDArray[np.uint32], segments: Indices, count: int
 ) -> Indices:
     """Number of the region of each triangle: regions end at segments."""
-    missing = np.iinfo(np.uint32).max
-    # Neighbour k lies across the side from corner k to corner k + 1.
-    starts, ends = triangles, np.roll(triangles, -1, axis=1)
     walls = np.sort(segments.min(axis=1) * count + segments.max(axis=1))
-    on_wall = np.zeros(count, dtype=bool)
+    on_wall = np.zeros(count, dtype=np.bool_)
     on_wall[segments] = True
-    open_side = neighbours != missing
-    suspect = np.nonzero(open_side & on_wall[starts] & on_wall[ends])
-    keys = np.minimum(starts[suspect], ends[suspect]) * count
-    keys += np.maximum(starts[suspect], ends[suspect])
-    found = np.minimum(np.searchsorted(walls, keys), len(walls) - 1)
-    open_side[suspect] = walls[found] != keys
-    rows, _ = np.nonzero(open_side)
-    cols = neighbours[open_side].astype(np.intp)
-    graph = coo_array(
-        (np.ones(len(rows), dtype=np.int8), (rows, cols)), shape=(len(triangles),) * 2
-    )
-    return np.asarray(connected_components(graph, directed=False)[1], dtype=np.intp)
+    regions = np.full(len(triangles), -1, dtype=np.intp)
+    _write_regions(triangles, neighbours, walls, on_wall, count, regions)
+    return regions
+
+
+@kernel
+def _write_regions(triangles, neighbours, walls, on_wall, count, regions):  # type: ignore[no-untyped-def]
+    """Number the regions by walking from triangle to triangle; −1 is not yet numbered.
+
+    Neighbour k lies across the side from corner k to corner k + 1. Walls are sorted keys of
+    segments, the smaller number of their ends times `count` plus the larger.
+    """
+    stack = np.empty(len(triangles), dtype=np.intp)
+    number = 0
+    for seed in range(len(triangles)):
+        if regions[seed] >= 0:
+            continue
+        regions[seed] = number
+        stack[0], height = seed, 1
+        while height > 0:
+            height -= 1
+            here = stack[height]
+            for k in range(3):
+                beyond = np.int64(neighbours[here, k])
+                if beyond >= len(triangles) or regions[beyond] >= 0:
+                    continue
+                a, b = triangles[here, k], triangles[here, (k + 1) % 3]
+                if on_wall[a] and on_wall[b]:
+                    key = min(a, b) * count + max(a, b)
+                    place = np.searchsorted(walls, key)
+                    if place < len(walls) and walls[place] == key:
+                        continue
+                regions[beyond] = number
+                stack[height] = beyond
+                height += 1
+        number += 1
 
 
 def enclosed(points: Floats, segments: Indices, outline: Geometry) -> Geometry:
