@@ -41,8 +41,9 @@ def polished(task: Task, start: tuple[float, ...]) -> Evaluation:
     near = sm.simulate(with_parameters(task.design, task.parameters, start))
     target = task.targets[0]
     assert isinstance(target, ScanTarget)
-    assert noise_alone(target, near)
-    evaluations = Evaluations(replace(task, targets=(target.by_points(near),)), "x")
+    one_way = target.by_points(near)
+    assert noise_alone(one_way, near)
+    evaluations = Evaluations(replace(task, targets=(one_way,)), "x")
     best = polish(evaluations, evaluations(start), 1e-3)
     assert best is not None
     return best
@@ -130,7 +131,10 @@ def test_noise_is_told_from_a_wrong_model(small_result: sm.Result) -> None:
     stretched = Surface(shape.points * [1.05, 1.0, 1.0], shape.triangles)
     told = [
         noise_alone(
-            ScanTarget("s", scan.points, scan.triangles, Similarity.identity(), True), small_result
+            ScanTarget("s", scan.points, scan.triangles, Similarity.identity(), True).by_points(
+                small_result
+            ),
+            small_result,
         )
         for scan in (noisy(shape, 0.01, 0), stretched, noisy(stretched, 0.003, 0))
     ]

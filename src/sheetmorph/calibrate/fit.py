@@ -20,6 +20,7 @@ from sheetmorph.calibrate.misfit import (
     MOST,
     Evaluation,
     ScanTarget,
+    Target,
     Task,
     independent_residuals,
     noise_alone,
@@ -278,14 +279,16 @@ def _search(
 def _by_points(task: Task, near: Evaluation) -> Task | None:
     """The task with scans measured one way where nothing but noise is left; None where not."""
     result = simulate(with_parameters(task.design, task.parameters, near.values))
-    targets = tuple(
-        target.by_points(result)
-        if isinstance(target, ScanTarget) and noise_alone(target, result)
-        else target
-        for target in task.targets
-    )
+    targets = tuple(_one_way_or_not(target, result) for target in task.targets)
     alike = all(new is old for new, old in zip(targets, task.targets, strict=True))
     return None if alike else replace(task, targets=targets)
+
+
+def _one_way_or_not(target: Target, result: Result) -> Target:
+    if not isinstance(target, ScanTarget):
+        return target
+    one_way = target.by_points(result)
+    return one_way if noise_alone(one_way, result) else target
 
 
 def _refined(evaluations: Evaluations, near: Evaluation, tolerance: float) -> Evaluation:

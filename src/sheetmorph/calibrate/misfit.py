@@ -99,7 +99,8 @@ class ScanTarget:
 
     def by_points(self, result: Result) -> ScanTarget:
         """The same, measured from the scan to the shape alone, begun at the pose found now."""
-        return replace(self, one_way=True, pose=self.lay_on(shape_of(result)).pose)
+        one_way = replace(self, one_way=True)
+        return replace(one_way, pose=one_way.lay_on(shape_of(result)).pose)
 
 
 @dataclass(frozen=True, eq=False)
@@ -237,7 +238,7 @@ def independent_residuals(target: Target, result: Result) -> float:
 
 
 def noise_alone(target: ScanTarget, result: Result) -> bool:
-    """Whether the residuals of a scan differ from point to point as noise does.
+    """Whether the residuals of a scan, taken `by_points`, differ from point to point as noise does.
 
     Then the points' own distances are all the information there is, and their least squares
     the most likely fit. The way back to a surface through noisy points is of no use then: it
