@@ -141,10 +141,7 @@ def test_a_history_is_read_between_its_states() -> None:
     assert ratio_at(actuation, ratio, -0.2) == pytest.approx(0.3)
 
 
-def test_strips_meet_their_closed_forms() -> None:
-    coarse, fine = (checks.pulled(rows, 1e-4)[0] for rows in (8, 16))
-    assert 2 * fine - coarse == pytest.approx(1e6 * 0.3e-3, rel=5e-3)
-    assert checks.cantilever(8, 1e-2, 0.3e-3) == pytest.approx(1e-2 / 3, rel=2e-3)
+def test_the_elastica_is_that_of_the_table() -> None:
     loads, tips = checks.elastica()
     # Mattiasson (1981)
     np.testing.assert_allclose(

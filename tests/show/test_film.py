@@ -15,8 +15,13 @@ def without_vtk(monkeypatch):
     monkeypatch.setenv("SHEETMORPH_RENDERER", "drawn")
 
 
+def filmed(result, folder, frames=None):
+    job, actuation = film.film_job(result, frames=frames)
+    return film.save_film(result, folder, (drawn.draw(job, view) for view in job.views), actuation)
+
+
 def test_film(dome_result, tmp_path):
-    path = film.write_film(dome_result, tmp_path)
+    path = filmed(dome_result, tmp_path)
     assert path == tmp_path / "animation.gif"
     assert path.stat().st_size < film.MAX_BYTES
     with Image.open(path) as image:
@@ -40,19 +45,14 @@ def test_film(dome_result, tmp_path):
 def test_one_state_gives_a_still(small, build, tmp_path):
     mesh, positions, ramp, pattern = small
     result = build(mesh, positions[:1], ramp[:1], np.zeros(1), pattern)
-    with Image.open(film.write_film(result, tmp_path)) as image:
+    with Image.open(filmed(result, tmp_path)) as image:
         assert image.n_frames == 1
 
 
-def short_film(result, folder):
-    job, actuation = film.film_job(result, frames=4)
-    return film.save_film(result, folder, (drawn.draw(job, view) for view in job.views), actuation)
-
-
 def test_a_film_that_is_too_large_is_made_smaller(dome_result, tmp_path, monkeypatch):
-    size = short_film(dome_result, tmp_path).stat().st_size
+    size = filmed(dome_result, tmp_path, 4).stat().st_size
     monkeypatch.setattr(film, "MAX_BYTES", size - 1)
-    with Image.open(short_film(dome_result, tmp_path)) as image:
+    with Image.open(filmed(dome_result, tmp_path, 4)) as image:
         assert image.width < film.SIZE[0]
         assert image.n_frames == 4
 
@@ -64,6 +64,6 @@ def test_a_failure_leaves_the_old_film(dome_result, tmp_path, monkeypatch):
     (tmp_path / "animation.gif").write_bytes(b"old")
     monkeypatch.setattr("os.fsync", disk_full)
     with pytest.raises(OutputError, match=r"animation\.gif"):
-        short_film(dome_result, tmp_path)
+        filmed(dome_result, tmp_path, 4)
     assert [path.name for path in tmp_path.iterdir()] == ["animation.gif"]
     assert (tmp_path / "animation.gif").read_bytes() == b"old"

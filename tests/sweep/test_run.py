@@ -37,6 +37,8 @@ family.seed = { from = 0, to = 29, step = 1 }
 actuation.eps_pre = [-0.2, -0.3]
 """
 """Sixty designs."""
+GROWTH = 80_000
+"""Bytes of the journal, a few designs, between two disturbances."""
 FEW = RANDOM.replace("29", "3")
 SWEEP = (sys.executable, "-m", "sheetmorph", "sweep")
 
@@ -60,22 +62,46 @@ def end_all(pids: set[int]) -> None:
             os.kill(pid, signal.SIGKILL)
 
 
+@dataclass(frozen=True)
+class Undisturbed:
+    """The sixty designs, computed by workers that nobody kills, and what was told meanwhile."""
+
+    out: Path
+    told: list[Event]
+
+
 @pytest.fixture(scope="module")
-def undisturbed(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """The sixty designs, computed by one worker that nobody kills."""
+def undisturbed(tmp_path_factory: pytest.TempPathFactory) -> Undisturbed:
+    """On the scheduler of somebody else, which goes on."""
+    from distributed import LocalCluster
+
     folder = tmp_path_factory.mktemp("undisturbed")
-    plan = Plan.load(written(folder, RANDOM))
-    tally = run_sweep(plan, folder / "out", workers=1)
+    plan, told = Plan.load(written(folder, RANDOM)), list[Event]()
+    with LocalCluster(
+        n_workers=1, threads_per_worker=2, host="127.0.0.1", dashboard_address="127.0.0.1:0"
+    ) as local:
+        address = local.scheduler_address
+        tally = run_sweep(plan, folder / "out", scheduler=address, on_event=told.append)
+        assert local.scheduler.workers
     assert (tally.present, tally.computed) == (60, 60)
     rows = pq.read_table(folder / "out" / "results.parquet").to_pylist()
     failed = [row for row in rows if row["status"] != "completed"]
     assert tally.failed == len(failed) == 10  # five patterns leave too few nodes to hold
     assert all(row["status"] == "refused" and "supports" in row["reason"] for row in failed)
-    return folder / "out"
+    return Undisturbed(folder / "out", told)
 
 
 @pytest.mark.slow
-def test_killed_workers_change_nothing(undisturbed: Path, tmp_path: Path) -> None:
+def test_progress_and_the_dashboard_are_told(undisturbed: Undisturbed) -> None:
+    told = undisturbed.told
+    assert any(isinstance(event, Notice) and "dashboard" in event.text for event in told)
+    shares = [event.fraction for event in told if isinstance(event, Progress)]
+    assert shares == sorted(shares)
+    assert shares[-1] == 1.0
+
+
+@pytest.mark.slow
+def test_killed_workers_change_nothing(undisturbed: Undisturbed, tmp_path: Path) -> None:
     file = written(tmp_path, RANDOM)
     process = subprocess.Popen([*SWEEP, str(file), "-o", str(tmp_path / "out"), "--workers", "2"])
     journal = tmp_path / "out" / "unfinished.sqlite"
@@ -84,7 +110,7 @@ def test_killed_workers_change_nothing(undisturbed: Path, tmp_path: Path) -> Non
     while process.poll() is None:
         time.sleep(0.1)
         with suppress(FileNotFoundError, psutil.Error):  # it ends
-            if journal.stat().st_size < size + 80_000:
+            if journal.stat().st_size < size + GROWTH:
                 continue
             size = journal.stat().st_size
             alive = workers_of(process.pid)
@@ -99,20 +125,28 @@ def test_killed_workers_change_nothing(undisturbed: Path, tmp_path: Path) -> Non
             kills += 1
     assert process.returncode == 0
     assert kills >= 2
-    assert differences(undisturbed, tmp_path / "out") == []
+    assert differences(undisturbed.out, tmp_path / "out") == []
     assert not (tmp_path / "out" / "unfinished.sqlite").exists()
 
 
-@pytest.mark.slow
-def test_a_killed_sweep_goes_on_with_what_is_missing(undisturbed: Path, tmp_path: Path) -> None:
-    file, out = written(tmp_path, RANDOM), tmp_path / "out"
-    command = [*SWEEP, str(file), "-o", str(out), "--workers", "2"]
-    process = subprocess.Popen(command)
-    journal = out / "unfinished.sqlite"
+def until_grown(journal: Path, process: subprocess.Popen[str]) -> None:
+    """Wait until a sweep at work has kept some designs more."""
+    size = journal.stat().st_size if journal.is_file() else 0
     deadline = time.monotonic() + 120
-    while not (journal.is_file() and journal.stat().st_size > 100_000):
+    while not (journal.is_file() and journal.stat().st_size > size + GROWTH):
         assert process.poll() is None and time.monotonic() < deadline
         time.sleep(0.05)
+
+
+@pytest.mark.slow
+def test_a_sweep_that_is_killed_and_interrupted_goes_on_with_what_is_missing(
+    undisturbed: Undisturbed, tmp_path: Path
+) -> None:
+    file, out = written(tmp_path, RANDOM), tmp_path / "out"
+    command = [*SWEEP, str(file), "-o", str(out), "--workers", "2"]
+    journal = out / "unfinished.sqlite"
+    process = subprocess.Popen(command, text=True)
+    until_grown(journal, process)
     children = workers_of(process.pid)
     process.kill()
     process.wait()
@@ -121,32 +155,24 @@ def test_a_killed_sweep_goes_on_with_what_is_missing(undisturbed: Path, tmp_path
         time.sleep(0.1)  # workers end when their parent has
     assert not any(psutil.pid_exists(child) for child in children)
     assert subprocess.run(command, capture_output=True, check=False).returncode == 2
-    tally = run_sweep(Plan.load(file), out, workers=2, resume=True)
-    assert tally.present == 60
-    assert 0 < tally.computed < 60
-    assert differences(undisturbed, out) == []
-    again = run_sweep(Plan.load(file), out, workers=2, resume=True)
-    assert (again.present, again.computed) == (60, 0)
 
-
-@pytest.mark.slow
-def test_ctrl_c_leaves_a_table_and_can_be_resumed(undisturbed: Path, tmp_path: Path) -> None:
-    file, out = written(tmp_path, RANDOM), tmp_path / "out"
-    command = [*SWEEP, str(file), "-o", str(out), "--workers", "2"]
-    process = subprocess.Popen(command, stderr=subprocess.PIPE, text=True, start_new_session=True)
-    journal = out / "unfinished.sqlite"
-    while not (journal.is_file() and journal.stat().st_size > 100_000):
-        assert process.poll() is None
-        time.sleep(0.05)
+    process = subprocess.Popen(
+        [*command, "--resume"], stderr=subprocess.PIPE, text=True, start_new_session=True
+    )
+    until_grown(journal, process)
     os.killpg(process.pid, signal.SIGINT)  # as a terminal does: to the workers too
     _, said = process.communicate(timeout=60)
     assert process.returncode == 130
     assert "interrupted with" in said and "--resume" in said
     assert "Traceback" not in said
-    early = pq.read_table(out / "results.parquet")
-    assert 0 < early.num_rows < 60
-    assert subprocess.run([*command, "--resume", "-q"], check=False).returncode == 0
-    assert differences(undisturbed, out) == []
+    early = pq.read_table(out / "results.parquet").num_rows
+    assert 0 < early < 60
+
+    tally = run_sweep(Plan.load(file), out, workers=2, resume=True)
+    assert (tally.present, tally.computed) == (60, 60 - early)
+    assert differences(undisturbed.out, out) == []
+    again = run_sweep(Plan.load(file), out, workers=2, resume=True)
+    assert (again.present, again.computed) == (60, 0)
 
 
 @pytest.mark.slow
@@ -177,26 +203,6 @@ def test_a_design_that_kills_its_workers_is_a_row(
     assert sorted(rows) == list(range(8))
     assert {k for k, one in rows.items() if one.row["status"] == "worker_lost"} == {3}
     assert "every worker that computed it died" in rows[3].row["reason"]
-
-
-@pytest.mark.slow
-def test_an_existing_scheduler(tmp_path: Path) -> None:
-    from distributed import LocalCluster
-
-    plan = Plan.load(written(tmp_path, FEW))
-    told: list[Event] = []
-    with LocalCluster(
-        n_workers=1, threads_per_worker=2, host="127.0.0.1", dashboard_address="127.0.0.1:0"
-    ) as local:
-        address = local.scheduler_address
-        run_sweep(plan, tmp_path / "out", scheduler=address, on_event=told.append)
-        assert local.scheduler.workers, "the cluster of others goes on"
-    run_sweep(plan, tmp_path / "own", workers=1)
-    assert differences(tmp_path / "out", tmp_path / "own") == []
-    assert any(isinstance(event, Notice) and "dashboard" in event.text for event in told)
-    shares = [event.fraction for event in told if isinstance(event, Progress)]
-    assert shares == sorted(shares)
-    assert shares[-1] == 1.0
 
 
 @pytest.mark.slow

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -12,6 +11,7 @@ import click
 from sheetmorph.cli.shared import (
     ProgressBar,
     by_their_options,
+    notices_above,
     output_folder,
     read_length,
     read_values,
@@ -20,7 +20,6 @@ from sheetmorph.cli.shared import (
 from sheetmorph.core.errors import InputError
 
 if TYPE_CHECKING:
-    from sheetmorph.core.events import Event
     from sheetmorph.inverse.result import Found
     from sheetmorph.inverse.targets import Target
 
@@ -160,7 +159,7 @@ def design(
                 processes=_processes(workers, scheduler),
                 scheduler=scheduler,
                 pictures=not no_pictures,
-                on_event=listener if silent else _with_notices(listener),
+                on_event=listener if silent else notices_above(listener),
             )
         except KeyboardInterrupt:
             raise click.exceptions.Abort("interrupted; add --resume to go on") from None
@@ -242,19 +241,6 @@ def _fabricate(found: Found, folder: Path, replace: bool) -> list[str]:
     except InputError as error:
         return [f"nothing to fabricate: {error}"]
     return list(package.warnings)
-
-
-def _with_notices(listener: Callable[[Event], None]) -> Callable[[Event], None]:
-    """Notices above the progress bar, all else to it."""
-    from sheetmorph.core.events import Notice
-
-    def tell(event: Event) -> None:
-        if isinstance(event, Notice):
-            click.echo(event.text, err=True)
-        else:
-            listener(event)
-
-    return tell
 
 
 def _tell(found: Found, folder: Path, notes: list[str]) -> None:

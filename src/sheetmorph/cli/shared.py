@@ -140,6 +140,19 @@ class ProgressBar:
             self._bar.update(self._task, completed=event.fraction, description=event.text)
 
 
+def notices_above(listener: Listener) -> Listener:
+    """Notices go above the progress bar, all else to it."""
+    from sheetmorph.core.events import Notice
+
+    def tell(event: Event) -> None:
+        if isinstance(event, Notice):
+            click.echo(event.text, err=True)
+        else:
+            listener(event)
+
+    return tell
+
+
 @contextmanager
 def at_work(folder: Path, silent: bool) -> Iterator[Listener]:
     """The progress of a job, which has its folder to itself meanwhile.

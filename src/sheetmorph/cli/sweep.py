@@ -3,18 +3,22 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable
 from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import click
 
-from sheetmorph.cli.shared import ProgressBar, output_folder, read_values, set_values
+from sheetmorph.cli.shared import (
+    ProgressBar,
+    notices_above,
+    output_folder,
+    read_values,
+    set_values,
+)
 from sheetmorph.core.errors import InputError
 
 if TYPE_CHECKING:
-    from sheetmorph.core.events import Event
     from sheetmorph.sweep.run import Tally
 
 
@@ -71,7 +75,7 @@ def sweep(
             scheduler=scheduler,
             resume=resume,
             force=force,
-            on_event=listener if silent else _with_notices(listener),
+            on_event=listener if silent else notices_above(listener),
         )
     if tally.interrupted:
         raise click.exceptions.Abort(
@@ -81,19 +85,6 @@ def sweep(
         click.echo(json.dumps(asdict(tally), indent=2))
     elif not quiet:
         _tell(plan.name, tally, folder)
-
-
-def _with_notices(listener: Callable[[Event], None]) -> Callable[[Event], None]:
-    """Notices above the progress bar, all else to it."""
-    from sheetmorph.core.events import Notice
-
-    def tell(event: Event) -> None:
-        if isinstance(event, Notice):
-            click.echo(event.text, err=True)
-        else:
-            listener(event)
-
-    return tell
 
 
 def _tell(name: str, tally: Tally, folder: Path) -> None:

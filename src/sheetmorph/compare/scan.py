@@ -63,17 +63,11 @@ def read_surface(path: str | Path, *, unit: float | None = None) -> Scan:
     if unit is not None and not (math.isfinite(unit) and unit > 0.0):
         raise InputError("the length unit must be a positive number", file=file, value=unit)
     ending = strangers.ending_of(file, READERS, "format of a scan")
-    try:
+    with strangers.reading(file, "the scan"):
         data = strangers.read_bytes(file, MAX_BYTES, "reduce the scan in the program that made it")
         read = READERS[ending](data, MAX_TRIANGLES)
         del data
         return _checked(read, file.name, unit)
-    except InputError as error:
-        raise error.located(file) from error.__cause__
-    except OSError as error:
-        raise InputError(f"cannot be read ({error.strerror or error})", file=file) from error
-    except MemoryError as error:
-        raise InputError("the scan does not fit into memory", file=file) from error
 
 
 def unit_of_scale(scale: float) -> str | None:

@@ -2,10 +2,31 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection
+from collections.abc import Collection, Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
 from sheetmorph.core.errors import InputError, nearest
+
+
+@contextmanager
+def reading(file: Path, what: str) -> Iterator[None]:
+    """Errors while a file is read become one line that names it.
+
+    Args:
+        file: it is about.
+        what: it is, such as "the scan".
+    """
+    try:
+        yield
+    except InputError as error:
+        raise error.located(file) from error.__cause__
+    except OSError as error:
+        raise InputError(f"cannot be read ({error.strerror or error})", file=file) from error
+    except MemoryError as error:
+        raise InputError(f"{what} does not fit into memory", file=file) from error
+    except RecursionError as error:
+        raise InputError(f"{what} is too deeply nested", file=file) from error
 
 
 def ending_of(file: Path, known: Collection[str], what: str) -> str:

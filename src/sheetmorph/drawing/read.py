@@ -61,17 +61,11 @@ def read_drawing(
                 "is out of bounds", key=name, value=value, allowed=f"{least:g} to {most:g} m"
             )
     request = Request(unit, flatness, gap)
-    try:
+    with strangers.reading(file, "the drawing"):
         # Numbers that overflow are refused by the readers, not warned of.
         with np.errstate(over="ignore", invalid="ignore"):
             contents, length = READERS[ending](strangers.read_bytes(file, MAX_BYTES), request)
         check_extent(contents.items, length)
-    except InputError as error:
-        raise error.located(file) from error.__cause__
-    except OSError as error:
-        raise InputError(f"cannot be read ({error.strerror or error})", file=file) from error
-    except (MemoryError, RecursionError) as error:
-        raise InputError("the drawing is too large or too deeply nested", file=file) from error
     return Drawing(
         items=tuple(contents.items),
         layers=MappingProxyType(contents.layers),

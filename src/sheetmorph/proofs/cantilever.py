@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 
 from sheetmorph.design.spec import Design
+from sheetmorph.proofs.load_steps import SOURCE
 from sheetmorph.proofs.proof import Check, Curve, Plot, Proof, convergence_order
 from sheetmorph.proofs.sheets import benchmark_table, nearest_node, solved, states_at
 
@@ -87,8 +88,7 @@ def prove(reference: Path | None = None) -> Proof:
             f"are compared at each of {len(loads)} load steps, on an irregular mesh with edges of "
             f"{SIZES[-1]} m. The order is that of the differences between three meshes."
         ),
-        source="Sze, Liu, Lo, Popular benchmark problems for geometric nonlinear analysis of "
-        "shells, Finite Elements in Analysis and Design 40, 2004, table 1",
+        source=f"{SOURCE}, table 1",
         checks=tuple(checks),
         plots=(
             Plot(

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
@@ -13,12 +12,13 @@ from sheetmorph.geometry.generate import generate_mesh
 from sheetmorph.geometry.mesh import Floats, SheetMesh
 from sheetmorph.geometry.structured import sphere_sector
 from sheetmorph.geometry.topology import build_mesh
-from sheetmorph.proofs.proof import Check, Curve, Plot, Proof, convergence_order
+from sheetmorph.proofs.load_steps import SOURCE, Displacements, load_step_checks, load_step_plot
+from sheetmorph.proofs.proof import Check, Proof, convergence_order
 from sheetmorph.proofs.sheets import PLANES, STEPS, benchmark_table, nearest_node, solved, states_at
 
 RADIUS = 10.0
 HOLE, EQUATOR = math.radians(18.0), 0.5 * math.pi
-PULLED, PRESSED = (0.0, RADIUS, 0.0), (RADIUS, 0.0, 0.0)
+PULLED, PRESSED = "pulled point", "pressed point"
 FORCE = 200.0  # on a quarter of the shell: half of the forces, which act in its planes
 
 DESIGN = f"""
@@ -62,15 +62,6 @@ SPACING = 0.06
 """Length of the edges of the irregular mesh in the plane of polar angle and azimuth [rad]."""
 
 
-@dataclass(frozen=True, eq=False)
-class Moves:
-    """Outward and inward displacement of the two loaded points, shape (loads,) each [m]."""
-
-    pulled: Floats
-    pressed: Floats
-    nodes: int
-
-
 def prove(reference: Path | None = None) -> Proof:
     """Displacements of the loaded points at every load step.
 
@@ -80,27 +71,15 @@ def prove(reference: Path | None = None) -> Proof:
     """
     table = benchmark_table("sze_hemisphere_18deg_hole", reference)
     loads = np.array(table["P"])
-    known = {"pulled": np.array(table["VA"]), "pressed": np.array(table["minusUB"])}
-    found = {
-        "structured": _moves(_structured(COMPARED), loads),
-        "irregular": _moves(_irregular(), loads),
-    }
-    checks = [
-        Check(
-            f"{family}-{point}-{load:.2f}",
-            f"displacement of the {point} point at P = {load:.2f} Pmax, {family}",
-            *(float(u), float(own)),
-            0.02,
-        )
-        for family, moves in found.items()
-        for point, values in known.items()
-        for load, u, own in zip(loads, values, getattr(moves, point), strict=True)
-    ]
+    known = {PULLED: np.array(table["VA"]), PRESSED: np.array(table["minusUB"])}
+    meshes = {"structured": _structured(COMPARED), "irregular": _irregular()}
+    found = {family: _moves(mesh, loads) for family, mesh in meshes.items()}
+    checks = load_step_checks(loads, known, found, "displacement of the", ".2f")
     at = int(np.flatnonzero(np.isclose(loads, HALF))[0])
     halves = [
-        found["structured"].pressed[at]
+        found["structured"][PRESSED][at]
         if cells == COMPARED
-        else _moves(_structured(cells), np.ones(1), HALF).pressed[0]
+        else _moves(_structured(cells), np.ones(1), HALF)[PRESSED][0]
         for cells in CELLS
     ]
     order = convergence_order([1.0 / n for n in CELLS[:2]], np.diff(halves))
@@ -116,44 +95,36 @@ def prove(reference: Path | None = None) -> Proof:
             "planes of symmetry is computed; its curvature at rest is taken from the mesh. The "
             f"displacement of both points is compared at {len(loads)} load steps, on a structured "
             f"mesh of {COMPARED} × {COMPARED} cells with alternating diagonals "
-            f"({found['structured'].nodes} nodes) and on an irregular one "
-            f"({found['irregular'].nodes} nodes). The shell hardly stretches, and coarse flat "
-            "triangles err both ways: softer by their facets, stiffer as they cannot bend without "
-            "stretching. The order is that of the differences between meshes of "
+            f"({len(meshes['structured'].nodes)} nodes) and on an irregular one "
+            f"({len(meshes['irregular'].nodes)} nodes). The shell hardly stretches, and coarse "
+            "flat triangles err both ways: softer by their facets, stiffer as they cannot bend "
+            "without stretching. The order is that of the differences between meshes of "
             f"{', '.join(map(str, CELLS))} cells a side; on coarser ones the two errors cancel in "
             "part."
         ),
-        source="Sze, Liu, Lo, Popular benchmark problems for geometric nonlinear analysis of "
-        "shells, Finite Elements in Analysis and Design 40, 2004",
+        source=SOURCE,
         checks=tuple(checks),
         plots=(
-            Plot(
+            load_step_plot(
                 "hemisphere",
                 "Loaded points of the hemisphere",
                 "displacement [m]",
-                "P / Pmax",
-                (
-                    Curve("pulled point, Sze et al.", known["pulled"], loads, "line"),
-                    Curve("pressed point, Sze et al.", known["pressed"], loads, "line"),
-                    *(
-                        Curve(f"{point} point, {family}", getattr(moves, point), loads)
-                        for family, moves in found.items()
-                        for point in ("pulled", "pressed")
-                    ),
-                ),
+                loads,
+                known,
+                found,
             ),
         ),
     )
 
 
-def _moves(mesh: SheetMesh, loads: Floats, share: float = 1.0) -> Moves:
-    """Displacements at these fractions of a share of the full load."""
+def _moves(mesh: SheetMesh, loads: Floats, share: float = 1.0) -> Displacements:
+    """Outward and inward displacement of the loaded points at fractions of a share of the load."""
     text = DESIGN.replace(f"{FORCE} N", f"{share * FORCE} N")
     stops = loads.tolist()
     result = solved(Design.from_toml(text), mesh, stops)
     moved = result.positions[states_at(result, stops)] - mesh.nodes
-    pulled, pressed = (nearest_node(mesh, place) for place in (PULLED, PRESSED))
-    return Moves(moved[:, pulled, 1], -moved[:, pressed, 0], len(mesh.nodes))
+    pulled, pressed = (nearest_node(mesh, place) for place in ((0, RADIUS, 0), (RADIUS, 0, 0)))
+    return {PULLED: moved[:, pulled, 1], PRESSED: -moved[:, pressed, 0]}
 
 
 def _structured(cells: int) -> SheetMesh:

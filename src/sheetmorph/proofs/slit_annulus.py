@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
@@ -10,10 +9,12 @@ import numpy as np
 from sheetmorph.design.spec import Design
 from sheetmorph.geometry.mesh import Floats, SheetMesh
 from sheetmorph.geometry.structured import ring_sector
-from sheetmorph.proofs.proof import Check, Curve, Plot, Proof, convergence_order
+from sheetmorph.proofs.load_steps import SOURCE, Displacements, load_step_checks, load_step_plot
+from sheetmorph.proofs.proof import Check, Proof, convergence_order
 from sheetmorph.proofs.sheets import STEPS, benchmark_table, solved, states_at
 
 INNER, OUTER = 6.0, 10.0
+INNER_END, OUTER_END = "inner end", "outer end"
 
 DESIGN = f"""
 name = "slit annulus"
@@ -49,15 +50,6 @@ CELLS = (7, 10, 14)
 """Cells along the slit of the structured meshes; eight times as many go around."""
 
 
-@dataclass(frozen=True, eq=False)
-class Lift:
-    """How far the ends of the free lip are lifted, shape (loads,) each [m]."""
-
-    inner: Floats
-    outer: Floats
-    nodes: int
-
-
 def prove(reference: Path | None = None) -> Proof:
     """Lift of both ends of the free lip at every load step.
 
@@ -67,28 +59,17 @@ def prove(reference: Path | None = None) -> Proof:
     """
     table = benchmark_table("sze_slit_annular", reference)
     loads = np.array(table["P"])
-    known = {"inner": np.array(table["W_13891"]), "outer": np.array(table["W_17528"])}
-    structured = [_lift(ring_sector(INNER, OUTER, n, 8 * n, "alternating"), loads) for n in CELLS]
-    finest = {
-        "structured": structured[-1],
-        "irregular": _lift(Design.from_toml(DESIGN).build_mesh(), loads),
-    }
-    checks = [
-        Check(
-            f"{family}-{end}-{load:g}",
-            f"lift of the {end} end at P = {load:g} Pmax, {family}",
-            *(float(w), float(found)),
-            0.02,
-        )
-        for family, lift in finest.items()
-        for end, values in known.items()
-        for load, w, found in zip(loads, values, getattr(lift, end), strict=True)
-    ]
+    known = {OUTER_END: np.array(table["W_17528"]), INNER_END: np.array(table["W_13891"])}
+    meshes = [ring_sector(INNER, OUTER, n, 8 * n, "alternating") for n in CELLS]
+    structured = [_lift(mesh, loads) for mesh in meshes]
+    irregular = Design.from_toml(DESIGN).build_mesh()
+    found = {"structured": structured[-1], "irregular": _lift(irregular, loads)}
+    checks = load_step_checks(loads, known, found, "lift of the")
     for end in known:
-        steps = np.diff([getattr(lift, end)[-1] for lift in structured])
+        steps = np.diff([lift[end][-1] for lift in structured])
         order = convergence_order([1.0 / n for n in CELLS[:2]], steps)
-        what = f"order of convergence of the lift of the {end} end, structured"
-        checks.append(Check(f"order-{end}", what, 1.4, order, kind="at least"))
+        what = f"order of convergence of the lift of the {end}, structured"
+        checks.append(Check(f"order-{end.split()[0]}", what, 1.4, order, kind="at least"))
     return Proof(
         name="slit_annulus",
         title="Slit annular plate",
@@ -97,36 +78,29 @@ def prove(reference: Path | None = None) -> Proof:
             "is slit along a radius. One lip is clamped, the other lifted by 0.8 N/m. The lift of "
             f"the inner and of the outer end of the free lip is compared at {len(loads)} load "
             f"steps, on a structured mesh of {CELLS[-1]} × {8 * CELLS[-1]} cells with alternating "
-            f"diagonals ({finest['structured'].nodes} nodes) and on an irregular one with edges of "
-            f"half a metre ({finest['irregular'].nodes} nodes). The model is too stiff by one or "
+            f"diagonals ({len(meshes[-1].nodes)} nodes) and on an irregular one with edges of "
+            f"half a metre ({len(irregular.nodes)} nodes). The model is too stiff by one or "
             "two percent there, as flat triangles are when a surface bends that can hardly "
             "stretch; the order is that of the differences between three structured meshes, and "
             "still below two."
         ),
-        source="Sze, Liu, Lo, Popular benchmark problems for geometric nonlinear analysis of "
-        "shells, Finite Elements in Analysis and Design 40, 2004",
+        source=SOURCE,
         checks=tuple(checks),
         plots=(
-            Plot(
+            load_step_plot(
                 "slit-annulus",
                 "Free lip of the slit annular plate",
                 "lift [m]",
-                "P / Pmax",
-                (
-                    Curve("outer end, Sze et al.", known["outer"], loads, "line"),
-                    Curve("inner end, Sze et al.", known["inner"], loads, "line"),
-                    *(
-                        Curve(f"{end} end, {family}", getattr(lift, end), loads)
-                        for family, lift in finest.items()
-                        for end in ("outer", "inner")
-                    ),
-                ),
+                loads,
+                known,
+                found,
             ),
         ),
     )
 
 
-def _lift(mesh: SheetMesh, loads: Floats) -> Lift:
+def _lift(mesh: SheetMesh, loads: Floats) -> Displacements:
+    """How far the ends of the free lip are lifted."""
     held, free = _lips(mesh)
     design = Design.from_toml(
         DESIGN.replace("nodes = [0]", f"nodes = {held}").replace(
@@ -137,9 +111,8 @@ def _lift(mesh: SheetMesh, loads: Floats) -> Lift:
     result = solved(design, mesh, stops)
     height = result.positions[states_at(result, stops), :, 2]
     reach = mesh.nodes[free, 0]
-    return Lift(
-        height[:, free[int(reach.argmin())]], height[:, free[int(reach.argmax())]], len(mesh.nodes)
-    )
+    ends = {OUTER_END: free[int(reach.argmax())], INNER_END: free[int(reach.argmin())]}
+    return {end: height[:, node] for end, node in ends.items()}
 
 
 def _lips(mesh: SheetMesh) -> tuple[list[int], list[int]]:

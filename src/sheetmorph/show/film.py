@@ -15,8 +15,6 @@ from sheetmorph.geometry.mesh import Floats
 from sheetmorph.show import fields, scene, style
 from sheetmorph.show.flat import actuation_text
 from sheetmorph.show.motion import time_text
-from sheetmorph.show.pictures import borrowed
-from sheetmorph.show.render import RenderWorker
 from sheetmorph.show.scene import Image, Job, View
 from sheetmorph.show.stills import SHAPE_COLOURS, base_job, white
 
@@ -34,26 +32,6 @@ FRAME_TIME = 70
 HOLD_FIRST, HOLD_LAST = 500, 2200
 """Milliseconds for which a frame, the first and the last one stay."""
 MAX_BYTES = 3_000_000
-
-
-def write_film(result: Result, folder: str | Path, worker: RenderWorker | None = None) -> Path:
-    """Write `<folder>/animation.gif`: the sheet from flat to its last state.
-
-    Args:
-        result: what was computed.
-        folder: the results folder; made when absent.
-        worker: draws the frames; one is started and ended here when absent.
-
-    Returns:
-        The path of the file. It has `FRAMES` frames, or one when there is one state only.
-
-    Raises:
-        OutputError: the file cannot be written; no half-written file is left.
-        ComputationError: SHEETMORPH_RENDERER=vtk, and VTK does not draw.
-    """
-    with borrowed(worker) as painter:
-        job, actuation = film_job(result)
-        return save_film(result, Path(folder), painter.draw(job), actuation)
 
 
 def film_job(
@@ -75,7 +53,11 @@ def film_job(
 
 
 def save_film(result: Result, folder: Path, images: Iterator[Image], told: Floats) -> Path:
-    """Write the film, given the frames that the renderer has begun to draw."""
+    """Write `<folder>/animation.gif`, given the frames that the renderer has begun to draw.
+
+    Raises:
+        OutputError: the file cannot be written; no half-written file is left.
+    """
     pen = _Pen(result)
     frames = [pen.labelled(image, float(value)) for image, value in zip(images, told, strict=True)]
     data = encode(frames)
