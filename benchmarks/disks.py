@@ -123,8 +123,9 @@ def line_of(kind: str, inside: Path, folder: Path) -> list[str]:
     return {
         "run": ["run", str(inside / "drawn.toml"), "-o", str(folder), "-q"],
         "design": [
-            *("design", "bowl:0.4", "--family", "star", "-o", str(folder), "-q"),
-            *("--budget", "8", "--descents", "1", "--workers", "1"),
+            *("design", "saddle:0.4", "--family", "ring", "-o", str(folder), "-q"),
+            *("--sheet", "100 mm", "--fix", "radius=0.9", "--set", "mesh.size=11 mm"),
+            *("--budget", "8", "--descents", "0", "--workers", "1"),
         ],
         "compare": ["compare", str(scan), str(scan), "-o", str(folder), "--grid", "24", "-q"],
         "fabricate": ["fabricate", str(inside / "design.toml"), "-o", str(folder), "-q"],
