@@ -227,6 +227,7 @@ def found(kind: str, folder: Path) -> object:
         return kill.content(kind, folder)
     if kind == "design":
         numbers = json.loads((folder / "inverse.json").read_text("utf-8"))
+        del numbers["computed"]  # by this call, without those of the one that was stopped
         return json.dumps(kill.without_times(numbers), sort_keys=True)
     return sorted(str(file.relative_to(folder)) for file in folder.rglob("*"))
 
