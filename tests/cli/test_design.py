@@ -25,16 +25,32 @@ def told(capsys: pytest.CaptureFixture[str]) -> str:
     return capsys.readouterr().err
 
 
-def test_a_folder_that_the_other_commands_read(
+def test_interrupted_it_goes_on_to_a_folder_that_the_other_commands_read(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
+    from sheetmorph.inverse import misfit
+
     monkeypatch.setenv("SHEETMORPH_RENDERER", "drawn")
     place = tmp_path / "out"
-    assert design(*SMALL, "-o", str(place)) == 0
+    evaluate, count = misfit.Measure.evaluate, []
+
+    def evaluated(self: misfit.Measure, job: misfit.Job) -> misfit.Evaluation:
+        count.append(job)
+        if len(count) == 5:
+            raise KeyboardInterrupt
+        return evaluate(self, job)
+
+    monkeypatch.setattr(misfit.Measure, "evaluate", evaluated)
+    assert design(*SMALL, "-o", str(place), "--quiet") == 130
+    assert "--resume" in told(capsys)
+    assert design(*SMALL, "-o", str(place)) == 2
+    assert "unfinished search" in told(capsys)
+    assert design(*SMALL, "-o", str(place), "--resume") == 0
     out = capsys.readouterr().out
     assert "saddle:0.4: distance" in out
     assert "(inverse.html, design.toml)" in out
     data = json.loads((place / "inverse.json").read_text("utf-8"))
+    assert data["computed"] == data["evaluations"] - 4
     assert data["family"] == "ring"
     assert data["pattern"]["limits_met"]
     assert data["distance_percent"] == pytest.approx(
@@ -57,31 +73,6 @@ def test_a_folder_that_the_other_commands_read(
     again = json.loads(capsys.readouterr().out)
     assert again["computed"] == 0  # all was known
     assert again["values"] == data["values"]
-
-
-def test_interrupted_it_exits_with_130_and_goes_on(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
-) -> None:
-    from sheetmorph.inverse import misfit
-
-    place = tmp_path / "out"
-    evaluate, count = misfit.Measure.evaluate, []
-
-    def evaluated(self: misfit.Measure, job: misfit.Job) -> misfit.Evaluation:
-        count.append(job)
-        if len(count) == 5:
-            raise KeyboardInterrupt
-        return evaluate(self, job)
-
-    monkeypatch.setattr(misfit.Measure, "evaluate", evaluated)
-    arguments = [*SMALL, "-o", str(place), "--no-pictures", "--no-fabricate", "--quiet"]
-    assert design(*arguments) == 130
-    assert "--resume" in told(capsys)
-    assert design(*arguments) == 2
-    assert "unfinished search" in told(capsys)
-    assert design(*arguments, "--resume") == 0
-    data = json.loads((place / "inverse.json").read_text("utf-8"))
-    assert data["computed"] == data["evaluations"] - 4
 
 
 @pytest.mark.parametrize(
