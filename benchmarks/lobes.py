@@ -5,7 +5,7 @@ at the plane of the hub; or, with --film, the film between two arms, which is mi
 surface that hangs between them (harmonic on the mesh). Then the energy is minimised; where that
 leads back, other depths than the mirror image's are tried. A lobe stays inverted where the result
 is stable, the outer half of its arm turns (its film bulges) to the other side than before, and no
-other lobe has changed sides.
+other lobe has changed sides. A shape that leans on a guard is one of the mesh, not of the sheet.
 
     python benchmarks/lobes.py [--size "4 mm"] [--form printed] [--film] [--all]
 """
@@ -62,10 +62,14 @@ def main() -> None:
     inside[result.mesh.triangles[result.triangle_in_pattern]] = True
     kind = Film(problem, inside) if given.film else Arms(problem, inside)
     before = kind.sides(start)
-    print(f"{design.name}, {given.form}, {given.size}: {result.status}, {len(start)} nodes")
+    detail = result.summary["detail"]
+    print(
+        f"{design.name}, {given.form}, {given.size}: {result.status}, {len(start)} nodes {detail}"
+    )
     print(f"{kind.measure} [{kind.unit}]:", np.round(kind.factor * before, 1))
     sets = sets_of_sectors(LOBES) if given.all else [(k,) for k in range(LOBES)]
     held: set[tuple[int, ...]] = set()
+    leaning = 0
     for chosen, depth in product(sets, DEPTHS):
         if chosen in held:
             continue
@@ -75,13 +79,19 @@ def main() -> None:
         stable = found.outcome is Outcome.CONVERGED and not negative_eigenvalues(here, found.x)
         wanted = np.where(np.isin(np.arange(LOBES), chosen), -1.0, 1.0)
         kept = bool((wanted * after * before > 0.0).all())
+        leans = problem.held_open(problem.positions(found.x))
         if stable and kept:
             held.add(chosen)
+            leaning += bool(leans)
         print(
             f"{chosen}, depth {depth:g}: {found.outcome}, stable {stable}, inverted {kept}, energy "
             f"{1e3 * found.energy:.4f} mJ, {np.round(kind.factor * after, 1)}"
+            + "".join(f", {count} {what}" for what, count in leans.items())
         )
-    print(f"{len(held)} of {len(sets)} {'sets' if given.all else 'lobes'} stay inverted")
+    print(
+        f"{len(held)} of {len(sets)} {'sets' if given.all else 'lobes'} stay inverted, "
+        f"{leaning} of these lean on a guard"
+    )
 
 
 class Arms:

@@ -54,6 +54,7 @@ class Branch:
         negative: negative eigenvalues of the Hessian: 0 where stable.
         eigenvalue: the smallest [N/m³], see `sheetmorph.study.stability`.
         residual: largest residual force [N].
+        guarded: in how many places guards hold it: folds and collapsing triangles of the mesh.
         positions_found: states of the first shape in each position, by the name of the map;
             "" is x itself.
     """
@@ -65,6 +66,7 @@ class Branch:
     negative: int
     eigenvalue: float
     residual: float
+    guarded: int = 0
     positions_found: dict[str, Floats] = field(default_factory=dict)
 
     @property
@@ -154,6 +156,7 @@ class Branches:
                     "energy_J": one.energy,
                     "above_lowest_J": one.energy - lowest,
                     "residual_max_N": one.residual,
+                    "places_held_by_guards": one.guarded,
                     "height_m": float(np.ptp(one.positions[:, 2])),
                     "aspect_ratio": float(surface.aspect_ratio(one.positions)),
                     "images": sorted({a.image for a in self.seeds_of(one.number)}),

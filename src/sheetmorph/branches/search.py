@@ -157,6 +157,7 @@ class _Search:
         self.options = options
         self.found: list[Branch] = []
         self.attempts: list[Attempt] = []
+        self._guarded = False  # is the run itself one of shapes that lean on a guard?
         self._path_options: PathOptions = path_options(problem)
 
     def take_run(self, positions: Floats, scalars: Floats, status: str, reached: float) -> None:
@@ -238,7 +239,9 @@ class _Search:
         if branch is None:
             self.attempts.append(replace(attempt, status="not an equilibrium"))
             return
-        if attempt.kind != "perturbation" and self.problem.held_open(branch.positions):
+        if attempt.kind == "perturbation":
+            self._guarded = branch.guarded > 0
+        if branch.guarded and not self._guarded:
             self.attempts.append(replace(attempt, status="leans on a guard"))
             return
         number, image = None, ""
@@ -275,4 +278,6 @@ class _Search:
         positions = self.problem.positions(x)
         if not len(self.problem.held_nodes):
             positions = align_to_reference(positions[None], self.problem.mesh.nodes)[0]
-        return Branch(0, x, positions, energy, negative, float(modes.eigenvalues[0]), residual)
+        guarded = sum(self.problem.held_open(self.problem.positions(x)).values())
+        value = float(modes.eigenvalues[0])
+        return Branch(0, x, positions, energy, negative, value, residual, guarded)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from collections import Counter
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -123,6 +124,7 @@ def _tell(found: Branches, folder: Path) -> None:
         click.echo(
             f"{one['number']:3d}  {kind:12s}  {joules(one['energy_J'] - lowest):>10s} above the "
             f"lowest  h/d {one['aspect_ratio']:.3f}  {len(one['seeds'])} seeds{positions}"
+            f"{_guarded(one['places_held_by_guards'])}"
         )
     for barrier in found.barriers:
         other = f"{barrier.second}{f' ({barrier.image})' if barrier.image else ''}"
@@ -132,7 +134,12 @@ def _tell(found: Branches, folder: Path) -> None:
             f"from {barrier.first} to {other}: barrier {joules(barrier.height)}, "
             f"{joules(barrier.back)} back ({kind}{between})"
         )
-    lost = sum(one.branch is None for one in found.attempts)
+    lost = Counter(one.status.replace("_", " ") for one in found.attempts if one.branch is None)
     if lost:
-        click.echo(f"{lost} of {len(found.attempts)} seeds did not arrive at full actuation")
+        told = ", ".join(f"{count} {status}" for status, count in lost.most_common())
+        click.echo(f"{lost.total()} of {len(found.attempts)} seeds led to no shape: {told}")
     click.echo(f"branches in {folder} (open branches.png)")
+
+
+def _guarded(places: int) -> str:
+    return f", leans on a guard in {places} places" if places else ""

@@ -123,6 +123,7 @@ def _draw(sheet: Sheet, found: Branches, one: Branch, image: Image, x: int, y: i
     sheet.image(image, x, y)
     middle = x + 0.5 * _CELL[0]
     kind = "stable" if one.stable else f"unstable ({one.negative})"
+    kind += ", leans on a guard" if one.guarded else ""
     above = one.energy - found.branches[0].energy
     energy = joules(one.energy) if one.number == 1 else f"+ {joules(above)}"
     low = float(np.ptp(one.positions[:, 2]))
