@@ -84,6 +84,13 @@ def test_jobs_are_cancelled_and_workers_replaced(monkeypatch: pytest.MonkeyPatch
         assert (await worker.run(JOB, nobody, Ticket()))["ended"] == "well"
         assert worker.pid != pid
 
+    async def given_up_just_as_it_ended(worker: Worker) -> None:
+        pid = worker.pid
+        worker._job = -1
+        worker._give_up(-1)
+        assert (await worker.run(JOB, nobody, Ticket()))["ended"] == "well"
+        assert worker.pid != pid
+
     async def too_long(worker: Worker) -> None:
         monkeypatch.setattr(pool, "LONGEST", 0.01)
         ended = await worker.run(JOB, nobody, Ticket())
@@ -93,6 +100,7 @@ def test_jobs_are_cancelled_and_workers_replaced(monkeypatch: pytest.MonkeyPatch
         await between_steps(worker)
         await before_it_began(worker)
         await in_a_mesh_that_cannot_be_interrupted(worker)
+        await given_up_just_as_it_ended(worker)
         await too_long(worker)
 
     with_worker(2**32, all_of_them)

@@ -125,9 +125,8 @@ class Worker:
         await asyncio.gather(*self._ending)
 
     def _give_up(self, number: int) -> None:
-        if self._job == number and self._process is not None:
-            with contextlib.suppress(ProcessLookupError):
-                self._process.kill()
+        if self._job == number:
+            self.kill()  # at once: a job that ends just now must not leave a dying process behind
 
     async def _send(self, content: dict[str, Any]) -> None:
         process = self._process
