@@ -123,7 +123,7 @@ def _tell(found: Branches, folder: Path) -> None:
         positions = f", in {images} positions" if images > 1 else ""
         click.echo(
             f"{one['number']:3d}  {kind:12s}  {joules(one['energy_J'] - lowest):>10s} above the "
-            f"lowest  h/d {one['aspect_ratio']:.3f}  {len(one['seeds'])} seeds{positions}"
+            f"lowest  h/d {one['aspect_ratio']:.3f}  {_seeds(one['seeds'])}{positions}"
             f"{_guarded(one['places_held_by_guards'])}"
         )
     for barrier in found.barriers:
@@ -136,9 +136,13 @@ def _tell(found: Branches, folder: Path) -> None:
         )
     lost = Counter(one.status.replace("_", " ") for one in found.attempts if one.branch is None)
     if lost:
-        told = ", ".join(f"{count} {status}" for status, count in lost.most_common())
+        told = ", ".join(f"{status} ({count})" for status, count in lost.most_common())
         click.echo(f"{lost.total()} of {len(found.attempts)} seeds led to no shape: {told}")
     click.echo(f"branches in {folder} (open branches.png)")
+
+
+def _seeds(names: list[str]) -> str:
+    return "1 seed" if len(names) == 1 else f"{len(names)} seeds"
 
 
 def _guarded(places: int) -> str:
