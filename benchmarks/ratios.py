@@ -28,8 +28,8 @@ from scipy.sparse.linalg import splu
 
 import sheetmorph as sm
 from sheetmorph.core.machine import processor
+from sheetmorph.design import meshing
 from sheetmorph.design.presets import preset_text
-from sheetmorph.geometry.generate import generate_mesh
 from sheetmorph.study.model import build_problem
 
 BASELINE = Path(__file__).with_name("baseline.json")
@@ -75,10 +75,9 @@ def jobs() -> dict[str, Callable[[], object]]:
 
 
 def mesh_anew(design: sm.Design) -> object:
-    """The mesh of a design without symmetry, which `build_mesh` would remember."""
-    layout, source = design.layout, design.spec.mesh
-    assert source.size is not None and source.symmetry == "none"
-    return generate_mesh(layout.sheet, [*layout.parts.values()], source.size)
+    """The mesh of a design, made and not remembered."""
+    meshing._remembered.cache_clear()
+    return design.build_mesh()
 
 
 def cost(job: Callable[[], object]) -> float:

@@ -32,7 +32,7 @@ from sheetmorph.proofs.bilayer_disc import DiscSheet
 from sheetmorph.solve.critical import stationary
 from sheetmorph.solve.minimise import NewtonOptions, Outcome, minimise
 from sheetmorph.solve.stability import negative_eigenvalues
-from sheetmorph.study.model import build_problem
+from sheetmorph.study.model import Problem, build_problem
 from sheetmorph.study.stability import first_bifurcation, system_of
 
 NATURAL = 2.0
@@ -322,3 +322,21 @@ def test_shapes_that_lean_on_a_guard_are_none_of_the_sheet() -> None:
     for one in found.branches:
         angles = dihedral_angles(one.positions, found.result.mesh.hinges)
         assert np.abs(angles).max() < np.radians(60.0)
+
+
+def test_where_the_run_itself_leans_on_a_guard_others_are_kept_and_told(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("SHEETMORPH_RENDERER", "drawn")
+    monkeypatch.setattr(Problem, "held_open", lambda _problem, _positions: {"folds": 1})
+    file, out = tmp_path / "small.toml", tmp_path / "out"
+    file.write_text(SMALL)
+    options = ("--modes", "0", "--random", "0", "--no-sectors")
+    assert main(["branches", str(file), "-o", str(out), *options]) == 0
+    text = capsys.readouterr().out
+    shapes = json.loads((out / "branches.json").read_text("utf-8"))["branches"]
+    assert [one["places_held_by_guards"] for one in shapes] == [1] * len(shapes)
+    assert len(shapes) >= 2
+    assert text.count("leans on a guard in a place") == len(shapes)
+    with h5py.File(out / "branches.h5") as states:
+        assert list(states["guarded"]) == [1] * len(shapes)

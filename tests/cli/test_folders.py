@@ -17,6 +17,7 @@ COMMANDS = {
     "compare": ["disc.stl", "disc.stl"],
     "design": ["bowl"],
     "fabricate": ["small.toml", "--no-prediction"],
+    "history": ["--film", "table.csv"],
     "paper": ["--only", "mesh"],
     "run": ["small.toml"],
     "verify": ["--only", "timoshenko"],
@@ -45,7 +46,18 @@ def test_a_second_job_is_kept_out(
     assert {path.name for path in tmp_path.iterdir()} == before
 
 
-@pytest.mark.parametrize("command", COMMANDS)
-def test_a_folder_has_a_name(command: str, capsys: pytest.CaptureFixture[str]) -> None:
-    assert main([command, *COMMANDS[command], "-o", " "]) == 2
+@pytest.mark.parametrize(
+    "line",
+    [
+        *([command, *more] for command, more in COMMANDS.items()),
+        ["sweep", "sweep.toml"],
+        ["plot", "sweep"],
+        ["material", "shrink", "rows.csv"],
+        ["material", "cantilever", "rows.csv"],
+        ["verify", "small.toml", "--fe", "abaqus"],
+    ],
+    ids=lambda line: "-".join(line[:2]),
+)
+def test_a_folder_has_a_name(line: list[str], capsys: pytest.CaptureFixture[str]) -> None:
+    assert main([*line, "-o", " "]) == 2
     assert "-o wants a folder, such as" in capsys.readouterr().err

@@ -30,7 +30,8 @@ class Attempt:
         status: how its path ended, see `sheetmorph.solve.path.Status`; or why its end is no
             branch.
         reached: fraction of the actuation that it reached.
-        branch: number of the branch at which it ended, from 1; None where it did not arrive.
+        branch: number of the branch at which it ended, from 1; None where it did not arrive, or
+            its end is left out.
         image: the map of the design that takes the branch to its shape, "" for none.
     """
 
@@ -203,7 +204,7 @@ def write_json(found: Branches, path: Path) -> None:
 
 def write_states(found: Branches, path: Path) -> None:
     """Write the states as HDF5: `nodes`, `triangles`, `positions` (B, V, 3), `scalars`, `energy`,
-    `negative`, `smallest_eigenvalue`, and the design.
+    `negative`, `smallest_eigenvalue`, `guarded`, and the design.
 
     Raises:
         OutputError: it cannot be written.
@@ -221,6 +222,7 @@ def write_states(found: Branches, path: Path) -> None:
             "scalars", data=np.array([one.x[mesh.nodes.size :] for one in branches])
         )
         file.create_dataset("energy", data=np.array([one.energy for one in branches]))
+        file.create_dataset("guarded", data=np.array([one.guarded for one in branches]))
         file.create_dataset("negative", data=np.array([one.negative for one in branches]))
         values = np.array([one.eigenvalue for one in branches])
         file.create_dataset("smallest_eigenvalue", data=values)

@@ -80,7 +80,7 @@ def find_branches(
 
     Raises:
         InputError: the design and its mesh do not fit together, or it has weight or contact.
-        ComputationError: not one seed arrives at full actuation.
+        ComputationError: not one seed leads to a shape at full actuation.
     """
     _check_alone(design)
     on_event(Progress(0.0, "the run of the design"))
@@ -102,7 +102,8 @@ def find_branches(
     for seed in search.mirrored():
         search.take(seed)
     if not search.found:
-        raise ComputationError("no seed arrived at full actuation")
+        ends = sorted({one.status.replace("_", " ") for one in search.attempts})
+        raise ComputationError(f"no seed led to a shape at full actuation: {', '.join(ends)}")
     branches, attempts = search.ranked()
     return Branches(
         result=result,

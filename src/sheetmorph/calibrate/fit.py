@@ -20,10 +20,9 @@ from sheetmorph.calibrate.misfit import (
     MOST,
     Evaluation,
     ScanTarget,
-    Target,
     Task,
     independent_residuals,
-    noise_alone,
+    where_noise_is_left,
 )
 from sheetmorph.calibrate.parameters import Parameter, with_parameters
 from sheetmorph.calibrate.polish import polish
@@ -279,16 +278,12 @@ def _search(
 def _by_points(task: Task, near: Evaluation) -> Task | None:
     """The task with scans measured one way where nothing but noise is left; None where not."""
     result = simulate(with_parameters(task.design, task.parameters, near.values))
-    targets = tuple(_one_way_or_not(target, result) for target in task.targets)
+    targets = tuple(
+        (where_noise_is_left(target, result) if isinstance(target, ScanTarget) else None) or target
+        for target in task.targets
+    )
     alike = all(new is old for new, old in zip(targets, task.targets, strict=True))
     return None if alike else replace(task, targets=targets)
-
-
-def _one_way_or_not(target: Target, result: Result) -> Target:
-    if not isinstance(target, ScanTarget):
-        return target
-    one_way = target.by_points(result)
-    return one_way if noise_alone(one_way, result) else target
 
 
 def _refined(evaluations: Evaluations, near: Evaluation, tolerance: float) -> Evaluation:

@@ -49,7 +49,7 @@ class ScanTarget:
         fixed_scale: True when the scan's unit of length is known.
         weight: in the mean of the squared misfits of all targets.
         most: points that stand for it at most.
-        one_way: True to measure from the scan to the shape alone, see `noise_alone`.
+        one_way: True to measure from the scan to the shape alone, see `where_noise_is_left`.
     """
 
     name: str
@@ -237,15 +237,19 @@ def independent_residuals(target: Target, result: Result) -> float:
     return float(np.clip(1.0 / (likeness + 1.0 / total), 2.0, total))
 
 
-def noise_alone(target: ScanTarget, result: Result) -> bool:
-    """Whether the residuals of a scan, taken `by_points`, differ from point to point as noise does.
+def where_noise_is_left(target: ScanTarget, result: Result) -> ScanTarget | None:
+    """The target `by_points`, where its residuals differ from point to point as noise does.
 
     Then the points' own distances are all the information there is, and their least squares
     the most likely fit. The way back to a surface through noisy points is of no use then: it
     finds those of them that happen to be near, and dense ones crumple that surface.
+
+    Returns:
+        None where the residuals say that the model is wrong.
     """
-    likeness, taken, _ = _likeness(target, result)
-    return likeness < ALIKE / taken
+    one_way = target.by_points(result)
+    likeness, taken, _ = _likeness(one_way, result)
+    return one_way if likeness < ALIKE / taken else None
 
 
 def _likeness(target: ScanTarget, result: Result) -> tuple[float, int, int]:

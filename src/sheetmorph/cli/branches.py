@@ -82,8 +82,10 @@ def branches(
     folder = output or Path("results") / f"{file.stem}-branches"
     from sheetmorph.show.branches import check_folder
 
-    check_folder(folder, force, [file])
-    with at_work(folder, quiet or as_json) as listener, naming(file):
+    def check() -> None:
+        check_folder(folder, force, [file])
+
+    with at_work(folder, quiet or as_json, check) as listener, naming(file):
         from sheetmorph.branches.barriers import with_barriers
         from sheetmorph.branches.search import SearchOptions, find_branches
         from sheetmorph.core.events import Progress, Started
@@ -137,7 +139,7 @@ def _tell(found: Branches, folder: Path) -> None:
     lost = Counter(one.status.replace("_", " ") for one in found.attempts if one.branch is None)
     if lost:
         told = ", ".join(f"{status} ({count})" for status, count in lost.most_common())
-        click.echo(f"{lost.total()} of {len(found.attempts)} seeds led to no shape: {told}")
+        click.echo(f"{lost.total()} of {len(found.attempts)} seeds are left out: {told}")
     click.echo(f"branches in {folder} (open branches.png)")
 
 
@@ -146,4 +148,5 @@ def _seeds(names: list[str]) -> str:
 
 
 def _guarded(places: int) -> str:
-    return f", leans on a guard in {places} places" if places else ""
+    place = "a place" if places == 1 else f"{places} places"
+    return f", leans on a guard in {place}" if places else ""

@@ -102,11 +102,15 @@ def compare(
     with by_their_options(_OPTIONS):
         options = _options(length, face, mirror, box, no_crop or is_run(scan), grid, window)
     folder = output or Path(f"{scan.stem or scan.resolve().name}-comparison")
-    check_folder(folder, force, [path for path in (result, scan) if path.is_file()])
     for path in (result, scan):
         if not path.exists():
             raise InputError("there is no such file or folder", file=path)
-    with at_work(folder, quiet or as_json) as listener, _renderer(not no_pictures) as worker:
+
+    def check() -> None:
+        check_folder(folder, force, [path for path in (result, scan) if path.is_file()])
+
+    working = at_work(folder, quiet or as_json, check)
+    with working as listener, _renderer(not no_pictures) as worker:
         from sheetmorph.core.events import Progress, Started
 
         listener(Started(f"{result.name} and {scan.name}"))

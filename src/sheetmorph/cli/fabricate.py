@@ -118,10 +118,10 @@ def fabricate(
             **({} if spacing is None else {"spacing": read_length(spacing, "--spacing") or 0.0}),
             papers=papers or PAPERS,
         )
-    check_folder(folder, force)
     with naming(file):
         levels_of(design)  # what cannot be made is refused before it is computed
-    with at_work(folder, quiet or as_json) as listener, naming(file), _by_their_options():
+    working = at_work(folder, quiet or as_json, lambda: check_folder(folder, force))
+    with working as listener, naming(file), _by_their_options():
         prediction = None if no_prediction else _predicted(design, result_folder, listener)
         package = fabricate_design(
             design, folder, options=options, prediction=prediction, force=force, on_event=listener

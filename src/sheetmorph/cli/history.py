@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from sheetmorph.cli.film_options import film_options, quantity
-from sheetmorph.cli.shared import ProgressBar, output_folder
+from sheetmorph.cli.shared import at_work, output_folder
 from sheetmorph.core.errors import InputError
 
 if TYPE_CHECKING:
@@ -144,7 +144,6 @@ def history(
     if not runs and not films:
         raise InputError("name a RUN, or a film with --film")
     folder = output
-    _check_folder(folder, films, force)
     interval = quantity(given["interval"], "time", "--interval")
     if interval <= 0.0:
         raise InputError("must be above zero", key="--interval", value=given["interval"])
@@ -152,13 +151,11 @@ def history(
     results = [Result.load(run) for run in runs]
     names = _unlike([_run_name(run, k) for k, run in enumerate(runs)])
     computed = [history_of(r, n, azimuth) for r, n in zip(results, names, strict=True)]
-    with ProgressBar(quiet) as listener:
+    with at_work(folder, quiet, lambda: _check_folder(folder, films, force)) as listener:
         filmed = _measured(films, results, azimuth, given, listener)
-    mean = None
-    if any(film.good.any() for film in filmed):
-        mean = mean_of(filmed, interval)
-    chosen = width or ("side" if films else "feret_max")
-    _write(folder, computed, filmed, mean, chosen, mask_pictures)
+        mean = mean_of(filmed, interval) if any(film.good.any() for film in filmed) else None
+        chosen = width or ("side" if films else "feret_max")
+        _write(folder, computed, filmed, mean, chosen, mask_pictures)
     if not quiet:
         _tell(folder, computed, filmed, chosen)
 

@@ -52,8 +52,8 @@ def paper(
 
     chosen_sections(only)
     setting = find_setting(reference, scan)
-    check_paper_folder(output, force)
-    with at_work(output, quiet) as listener, RenderWorker.start() as worker:
+    working = at_work(output, quiet, lambda: check_paper_folder(output, force))
+    with working as listener, RenderWorker.start() as worker:
         try:
             done = redo_paper(setting, only=only, workers=workers, on_event=listener)
         except KeyboardInterrupt:

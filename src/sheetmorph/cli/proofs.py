@@ -27,7 +27,6 @@ def remake_proofs(
     if place is not None and not place.is_dir():
         raise InputError("is not a folder", key="--reference", value=reference)
     chosen_proofs(only)
-    check_proofs_folder(folder, force)
 
     def tell(outcome: Outcome) -> str:
         if outcome.proof is None:
@@ -39,7 +38,7 @@ def remake_proofs(
             f"  {word:8}  {outcome.name}: {good} of {len(checks)} checks, {outcome.seconds:.1f} s"
         )
 
-    with at_work(folder, quiet) as listener:
+    with at_work(folder, quiet, lambda: check_proofs_folder(folder, force)) as listener:
         try:
             outcomes = prove_all(only, place, on_event=listener)
         except KeyboardInterrupt:

@@ -43,7 +43,8 @@ def output_folder(
         return None if given is None else Path(given)
 
     return click.option(
-        *("-o", "--output"),
+        "-o",
+        "--output",
         metavar="DIR",
         help=text,
         default=default,
@@ -154,16 +155,25 @@ def notices_above(listener: Listener) -> Listener:
 
 
 @contextmanager
-def at_work(folder: Path, silent: bool) -> Iterator[Listener]:
+def at_work(folder: Path, silent: bool, check: Callable[[], None]) -> Iterator[Listener]:
     """The progress of a job, which has its folder to itself meanwhile.
 
+    Args:
+        folder: of the job.
+        silent: no progress is shown.
+        check: refuses the folder. It is asked before the folder is touched, and again when no
+            other job can finish in it.
+
     Raises:
-        InputError, OutputError: see `sheetmorph.core.locks.sole_user`.
+        InputError, OutputError: those of `check`, or see `sheetmorph.core.locks.sole_user`.
     """
     from sheetmorph.core.locks import sole_user
 
-    with sole_user(folder), ProgressBar(silent) as listener:
-        yield listener
+    check()
+    with sole_user(folder):
+        check()
+        with ProgressBar(silent) as listener:
+            yield listener
 
 
 @contextmanager

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from sheetmorph.core import strangers
 from sheetmorph.core.errors import InputError
 
 if TYPE_CHECKING:
@@ -162,19 +163,12 @@ def _from_mesh(path: Path, unit: float) -> Shape:
     if ending == ".txt":
         mesh = read_mesh(path, unit)
         return Shape(Surface(mesh.nodes, mesh.triangles.astype(np.int64)), path.name)
-    try:
-        size = path.stat().st_size
-    except OSError as error:
-        raise InputError(f"cannot be read ({error.strerror or error})", file=path) from error
-    if not path.is_file() or not 0 < size <= MAX_BYTES:
-        raise InputError("is no file with a mesh, or too large", file=path, value=f"{size} bytes")
-    try:
+    with strangers.reading(path, "the mesh"):
+        strangers.check_size(path, MAX_BYTES)
         nodes, triangles = READERS[ending](path)
         points = np.zeros((len(nodes), 3))
         points[:, : nodes.shape[1]] = unit * nodes
         return Shape(Surface(points, triangles), path.name)
-    except InputError as error:
-        raise error.located(path) from None
 
 
 def _size_notes(shape: Shape) -> tuple[str, ...]:

@@ -144,9 +144,9 @@ def _calculix(
     from sheetmorph.twin.solve import TwinOptions
 
     find_program()
-    check_folder(folder, force)
     options = TwinOptions(DeckOptions(law, steps), limit, threads)
-    with at_work(folder, quiet or as_json) as listener, _renderer(pictures) as worker:
+    working = at_work(folder, quiet or as_json, lambda: check_folder(folder, force))
+    with working as listener, _renderer(pictures) as worker:
         from sheetmorph.core.events import Progress
         from sheetmorph.twin.agreement import agree
         from sheetmorph.twin.solve import solve_twin

@@ -14,8 +14,8 @@ def reading(file: Path, what: str) -> Iterator[None]:
     """Errors while a file is read become one line that names it.
 
     Args:
-        file: it is about.
-        what: it is, such as "the scan".
+        file: the file that is read.
+        what: what messages call it, such as "the scan".
     """
     try:
         yield

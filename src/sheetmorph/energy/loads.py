@@ -85,5 +85,6 @@ def _nodal_load(x, stencil, force, rest, factor, start, stop, order, energy, gra
         for c in range(3):
             f = factor * force[i, c]
             work += f * (x[stencil[i, 0], c] - rest[i, c])
-            gradient[k, 0, c] = -f
+            if order >= 1:
+                gradient[k, 0, c] = -f
         energy[k] = -work

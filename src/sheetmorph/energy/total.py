@@ -170,9 +170,10 @@ def _sum_term(
     if hasattr(term, "idle") and term.idle(nodes):
         return 0.0
     local_order = min(order, 1) if term.linear else order
-    local, kernel, energy = work.local(term), term.local_kernel(), 0.0
+    local, function = work.local(term), term.local_kernel()
+    energy = 0.0
     for start, stop in _chunks(len(term.stencil)):
-        evaluate_elements(kernel, nodes, (start, stop), local_order, *local)
+        evaluate_elements(function, nodes, (start, stop), local_order, *local)
         energy += _scatter(
             term.stencil,
             slots.pairs,

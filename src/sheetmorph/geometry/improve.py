@@ -176,7 +176,10 @@ def _write_cotangents(points, chosen, trial, start, others, found):  # type: ign
 
 @kernel
 def _write_spokes(points, chosen, start, others, found):  # type: ignore[no-untyped-def]
-    """Lengths from points to their neighbours, a row each, the last repeated."""
+    """Lengths from points to their neighbours, a row each, the last repeated to fill the row.
+
+    Their mean is the scale of trial moves; that the last counts more there does not matter.
+    """
     for i in range(len(chosen)):
         first, last = start[chosen[i]], start[chosen[i] + 1] - 1
         for k in range(found.shape[1]):

@@ -59,7 +59,7 @@ def prove(reference: Path | None = None) -> Proof:
     """
     table = benchmark_table("sze_slit_annular", reference)
     loads = np.array(table["P"])
-    known = {OUTER_END: np.array(table["W_17528"]), INNER_END: np.array(table["W_13891"])}
+    known = {INNER_END: np.array(table["W_13891"]), OUTER_END: np.array(table["W_17528"])}
     meshes = [ring_sector(INNER, OUTER, n, 8 * n, "alternating") for n in CELLS]
     structured = [_lift(mesh, loads) for mesh in meshes]
     irregular = Design.from_toml(DESIGN).build_mesh()

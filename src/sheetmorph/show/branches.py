@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
-from sheetmorph.branches.result import Branch, Branches, write_json, write_states
+from sheetmorph.branches.result import FORMAT, Branch, Branches, write_json, write_states
 from sheetmorph.show import guard, scene, stills, style
 from sheetmorph.show.flat import actuation_text
 from sheetmorph.show.guard import Written
@@ -37,7 +37,7 @@ def check_folder(folder: str | Path, force: bool, inputs: Sequence[Path] = ()) -
         folder,
         OUTPUTS,
         "search for branches",
-        ours=lambda _file: marker.exists(),
+        ours=lambda _file: guard.wrote(marker, FORMAT),
         force=force,
         inputs=inputs,
     )

@@ -7,6 +7,7 @@ import os
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 from sheetmorph.core.errors import InputError, OutputError
 from sheetmorph.core.strangers import read_bytes
@@ -28,13 +29,18 @@ class Written:
     notes: tuple[str, ...]
 
 
-def wrote(marker: Path, form: str) -> bool:
-    """Is this a file of numbers, JSON, with `form` as its "format"?"""
+def numbers_of(marker: Path, form: str) -> dict[str, Any] | None:
+    """The content of a file of numbers, JSON, with `form` as its "format"; None if it is none."""
     try:
         numbers = json.loads(read_bytes(marker, LARGEST_NUMBERS))
     except (InputError, OSError, ValueError, RecursionError):
-        return False
-    return isinstance(numbers, dict) and numbers.get("format") == form
+        return None
+    return numbers if isinstance(numbers, dict) and numbers.get("format") == form else None
+
+
+def wrote(marker: Path, form: str) -> bool:
+    """Is this a file of numbers of that format?"""
+    return numbers_of(marker, form) is not None
 
 
 def check_folder(

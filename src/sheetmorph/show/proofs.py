@@ -37,11 +37,9 @@ def check_proofs_folder(folder: str | Path, force: bool = False) -> None:
 
 def _pictures_of(place: Path) -> set[str] | None:
     """Names of the pictures that an earlier page in a folder has; None if there is none."""
-    try:
-        numbers = json.loads((place / NUMBERS).read_text("utf-8"))
-        return set(numbers["pictures"]) if numbers["format"] == FORMAT else None
-    except (OSError, ValueError, KeyError, TypeError):
-        return None
+    numbers = guard.numbers_of(place / NUMBERS, FORMAT)
+    pictures = None if numbers is None else numbers.get("pictures")
+    return {str(name) for name in pictures} if isinstance(pictures, list) else None
 
 
 def write_proofs(outcomes: Sequence[Outcome], folder: str | Path) -> Path:

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 from sheetmorph.core.errors import ComputationError, InputError
 from sheetmorph.core.events import Event, Progress
 from sheetmorph.core.files import replacing, write_text
+from sheetmorph.core.locks import FILE as LOCK
 
 if TYPE_CHECKING:
     from sheetmorph.design.spec import Design
@@ -46,7 +47,7 @@ def export(job: dict[str, Any], desk: Desk, memory: Any) -> None:
     files = {
         path.relative_to(place).as_posix(): path
         for path in sorted(place.rglob("*"))
-        if path.is_file()
+        if path.is_file() and path.name != LOCK
     }
     name = _plain(design.name)
     archive = f"{name}.zip"

@@ -37,6 +37,7 @@ class Worker:
         self._memory, self._warm = memory, warm
         self._process: asyncio.subprocess.Process | None = None
         self._job: int | None = None
+        self._given_up = False  # the process is being killed, and may seem alive for a while
         self._ending: set[asyncio.Task[None]] = set()
 
     @property
@@ -46,7 +47,8 @@ class Worker:
 
     async def start(self) -> None:
         """Start the process, if there is none."""
-        if self._process is not None and self._process.returncode is None:
+        alive = self._process is not None and self._process.returncode is None
+        if alive and not self._given_up:
             return
         self.kill()
         command = [sys.executable, "-m", "sheetmorph.studio.worker", str(self._memory)]
@@ -110,6 +112,7 @@ class Worker:
     def kill(self) -> None:
         """End the process; `close` waits for it."""
         process, self._process = self._process, None
+        self._given_up = False
         if process is not None:
             with contextlib.suppress(ProcessLookupError):
                 process.kill()
@@ -125,8 +128,10 @@ class Worker:
         await asyncio.gather(*self._ending)
 
     def _give_up(self, number: int) -> None:
-        if self._job == number:
-            self.kill()  # at once: a job that ends just now must not leave a dying process behind
+        if self._job == number and self._process is not None:
+            self._given_up = True  # a job that ends just now must not leave it to the next one
+            with contextlib.suppress(ProcessLookupError):
+                self._process.kill()
 
     async def _send(self, content: dict[str, Any]) -> None:
         process = self._process
@@ -149,6 +154,7 @@ async def _drained(process: asyncio.subprocess.Process) -> None:
     """Wait for the end of a process and of what it had written."""
     with contextlib.suppress(Exception):
         await process.communicate()
+    await process.wait()
 
 
 class Ticket:
