@@ -59,6 +59,10 @@ def cluster(workers: int, scheduler: str | None, on_event: Listener) -> Iterator
         "distributed.worker.daemon": True,
         "distributed.comm.timeouts.connect": "10s",  # a worker that is dead does not answer
         "distributed.admin.tick.limit": "1h",  # a busy machine is no news
+        "distributed.worker.profile.enabled": False,  # samples every 10 ms, and nobody looks
+        "distributed.admin.system-monitor.interval": "2s",
+        "distributed.admin.tick.interval": "1s",
+        "distributed.worker.memory.monitor-interval": "1s",
     }
     with dask.config.set(settings), _quiet():
         local = distributed.LocalCluster(
