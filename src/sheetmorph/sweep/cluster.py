@@ -28,8 +28,11 @@ PATIENCE = 60
 """Seconds to wait for a scheduler, and for its first worker."""
 _ASKED_AGAIN = 3.0
 """Seconds after which workers that are missing are asked for again."""
-_AHEAD = 2
-"""Designs per thread that are at the workers or on their way to them."""
+_AHEAD = 4
+"""Designs per thread that are at the workers or on their way to them.
+
+Enough that workers do not wait while the journal does for a slow disk.
+"""
 
 
 @contextmanager
