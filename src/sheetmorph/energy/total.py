@@ -170,10 +170,10 @@ def _sum_term(
     if hasattr(term, "idle") and term.idle(nodes):
         return 0.0
     local_order = min(order, 1) if term.linear else order
-    local, function = work.local(term), term.local_kernel()
+    local, local_kernel = work.local(term), term.local_kernel()
     energy = 0.0
     for start, stop in _chunks(len(term.stencil)):
-        evaluate_elements(function, nodes, (start, stop), local_order, *local)
+        evaluate_elements(local_kernel, nodes, (start, stop), local_order, *local)
         energy += _scatter(
             term.stencil,
             slots.pairs,
