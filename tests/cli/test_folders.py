@@ -1,4 +1,4 @@
-"""The folder that -o names: every command has it to itself, and refuses one without a name."""
+"""The folder that -o names: long jobs have it to themselves; files of others are left alone."""
 
 from __future__ import annotations
 
@@ -61,3 +61,20 @@ def test_a_second_job_is_kept_out(
 def test_a_folder_has_a_name(line: list[str], capsys: pytest.CaptureFixture[str]) -> None:
     assert main([*line, "-o", " "]) == 2
     assert "-o wants a folder, such as" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("content", ['{"format": "another"}', "[" * 100_000], ids=["other", "deep"])
+@pytest.mark.parametrize(
+    ("command", "name"),
+    [("branches", "branches.json"), ("paper", "paper.json"), ("verify", "proofs.json")],
+)
+def test_numbers_that_no_such_command_wrote_are_left_alone(
+    command: str, name: str, content: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    file = Path("out") / name
+    file.parent.mkdir()
+    file.write_text(content, encoding="utf-8")
+    assert main([command, *COMMANDS[command], "-o", "out", "--force"]) == 2
+    err = capsys.readouterr().err
+    assert err.count("\n") == 1 and f"{name}: this file would be replaced" in err
+    assert file.read_text("utf-8") == content
